@@ -1,0 +1,5 @@
+"""``python -m fpnav``."""
+
+from fpnav.cli.main import main
+
+main()
