@@ -1,0 +1,100 @@
+"""What a log is and holds, as JSON-ready facts for ``fpnav info``."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+from fpnav.logs import roles, timing
+from fpnav.logs.frames import Log, open_log
+from fpnav.logs.topics import Topic
+
+
+def describe_log(path: Path, topics: dict[str, str] | None = None) -> dict[str, Any]:
+    """Facts of an MCAP log; damage is reported, not raised.
+
+    Raises
+    ------
+    LogError
+        Not an MCAP log at all.
+    """
+    with open_log(path, topics, max_loss=1.0, allow_truncated=True) as log:
+        return {"kind": "log", **_file(log), **_contents(log), "ledger": log.ledger.as_dict()}
+
+
+def _file(log: Log) -> dict[str, Any]:
+    file = log.file.contents
+    return {
+        "name": log.name,
+        "format": file.kind,
+        "bytes": log.size,
+        "sha256": log.sha256,
+        "integrity": log.integrity,
+        "damage": file.facts.damage,
+        "profile": file.profile,
+        "library": file.library,
+        "blocks": len(file.blocks),
+        "compression": dict(sorted(file.compressions.items())),
+        "attachments": [
+            {"name": facts.name, "media_type": facts.media_type, "bytes": facts.size}
+            for facts in file.attachments
+        ],
+        "metadata": sorted(log.metadata),
+    }
+
+
+def _contents(log: Log) -> dict[str, Any]:
+    played = roles.places({role: facts.topics for role, facts in log.roles.items()})
+    listed = [_topic(topic, played.get(name)) for name, topic in sorted(log.topics.items())]
+    firsts = [topic["first_ns"] for topic in listed if topic["first_ns"] is not None]
+    lasts = [topic["last_ns"] for topic in listed if topic["last_ns"] is not None]
+    return {
+        "start_ns": min(firsts, default=None),
+        "duration_s": (max(lasts) - min(firsts)) / 1e9 if firsts else 0.0,
+        "topics": listed,
+        "roles": {role: list(facts.topics) for role, facts in log.roles.items()},
+        "choices": _choices(log),
+        "primary": log.primary,
+        "travelled_from": log.travelled_from,
+        "travelled_m": _travelled(log),
+        "calibrated": sorted(log.calibrations),
+    }
+
+
+def _topic(topic: Topic, played: tuple[str, int] | None) -> dict[str, Any]:
+    stamps = topic.rows["log_ns"][timing.by_log_time(topic.rows)]
+    period = timing.median_period(stamps)
+    pauses, longest = timing.gaps(stamps)
+    return {
+        "topic": topic.name,
+        "type": topic.type_name,
+        "encoding": topic.encoding,
+        "messages": topic.count.in_file,
+        "lost": topic.count.lost,
+        "hz": None if math.isnan(period) else round(1e9 / period, 3),
+        "gaps": pauses,
+        "longest_gap_s": round(longest, 3),
+        "first_ns": topic.count.first_ns,
+        "last_ns": topic.count.last_ns,
+        "role": played[0] if played else "",
+        "problem": topic.problem,
+    }
+
+
+def _choices(log: Log) -> dict[str, list[str]]:
+    """Roles that more than one topic could play, with all candidates, the chosen one first."""
+    found: dict[str, list[str]] = {}
+    for role in roles.RULES:
+        names = roles.candidates(log.topics, role)
+        if role != "sonar" and len(names) > 1:
+            chosen = log.roles[role].topics[0] if role in log.roles else ""
+            found[role] = sorted(names, key=lambda name: name != chosen)
+    return found
+
+
+def _travelled(log: Log) -> float | None:
+    """Path length over the frames, None where there is no pose."""
+    if not log.primary or not log.travelled_from:
+        return None
+    return round(log.references()[-1].travelled_m, 3)
