@@ -1,0 +1,95 @@
+"""Fingerprints of places (Tapus, Battaglia, Siegwart): the system as the pipeline sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+
+from fpnav.params import Params
+from fpnav.systems.base import (
+    Features,
+    MapRule,
+    Needs,
+    Picture,
+    Thinning,
+    no_verification,
+    spread_likelihood,
+)
+from fpnav.systems.fingerprint.extract import CAMERA_ROLES, features_of_frame
+from fpnav.systems.fingerprint.memory import FingerprintMemory
+from fpnav.systems.fingerprint.params import LATE, PRESETS, FingerprintParams
+from fpnav.systems.fingerprint.record import RECORD, insertion, record_of
+from fpnav.systems.fingerprint.symbols import FEATURE, SYMBOL, symbols_of, text
+from fpnav.values import Frame, Reference, Signature
+
+
+class Fingerprint:
+    """Circular strings of corners, vertical edges and colours, aligned with uncertainty."""
+
+    NAME: ClassVar[str] = "fingerprint"
+    SUMMARY: ClassVar[str] = "circular strings of corners, vertical edges and hues (Tapus et al.)"
+    NEEDS: ClassVar[Needs] = Needs(("scan", *CAMERA_ROLES), (("scan", *CAMERA_ROLES),))
+    PARAMS: ClassVar[type[Params]] = FingerprintParams
+    LATE: ClassVar[frozenset[str]] = LATE
+    PRESETS: ClassVar[Mapping[str, Params]] = PRESETS
+    RECORD: ClassVar[np.dtype[Any]] = RECORD
+    PARTS: ClassVar[Mapping[str, np.dtype[Any]]] = {"features": FEATURE, "symbols": SYMBOL}
+
+    verify = no_verification
+    likelihood = spread_likelihood
+
+    def __init__(self, params: FingerprintParams) -> None:
+        self._params = params
+
+    @property
+    def params(self) -> FingerprintParams:
+        """The parameter block."""
+        return self._params
+
+    @property
+    def rule(self) -> MapRule:
+        """New place where the dissimilarity passes theta."""
+        return MapRule(self._params.theta, self._params.nodes, self._params.min_node_obs)
+
+    @property
+    def thinning(self) -> Thinning:
+        """One fingerprint every step of travel."""
+        return Thinning(self._params.step_m, float(np.deg2rad(self._params.step_heading_deg)))
+
+    def describe(self, frame: Frame) -> Features:
+        """Features of one frame and the arcs its sensors covered."""
+        features, arcs = features_of_frame(frame, self._params)
+        return {"features": features, "arcs": arcs}
+
+    def assemble(self, stream: Iterable[tuple[Reference, Features]]) -> Iterator[Signature]:
+        """One fingerprint per frame: f and n inserted, in angular order."""
+        for reference, found in stream:
+            features, arcs = found["features"], found["arcs"]
+            symbols = symbols_of(features, arcs, **insertion(self._params))
+            yield Signature(
+                reference,
+                record_of(arcs, symbols["type"].tobytes()),
+                {"features": features, "symbols": symbols},
+            )
+
+    def memory(self) -> FingerprintMemory:
+        """A new, empty memory."""
+        return FingerprintMemory(self._params)
+
+    def similarity(self, first: Signature, second: Signature) -> float:
+        """prob_matching of two fingerprints."""
+        return self.memory().probability(first, second)
+
+    def picture(self, signature: Signature) -> Picture:
+        """A strip: every symbol at its bearing with its certainty, and the string."""
+        symbols = signature.parts["symbols"]
+        line = text(symbols)
+        return Picture(
+            "strip",
+            symbols["angle_rad"].astype(np.float64),
+            symbols["certainty"].astype(np.float64),
+            symbols=tuple(line),
+            text=line,
+        )

@@ -1,0 +1,31 @@
+"""The systems there are: name -> where its class lives. A new system is one line here."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, cast
+
+from fpnav.errors import UsageError
+
+if TYPE_CHECKING:  # the contract imports numpy, which help and completion do not need
+    from fpnav.systems.base import System
+
+SYSTEMS: dict[str, str] = {
+    "fingerprint": "fpnav.systems.fingerprint:Fingerprint",
+    "placecell": "fpnav.systems.placecell:Placecell",
+    "gateway": "fpnav.systems.gateway:Gateway",
+}
+
+
+def system_class(name: str) -> type[System]:
+    """Class of the named system; imported on first use.
+
+    Raises
+    ------
+    UsageError
+        No system has that name.
+    """
+    if name not in SYSTEMS:
+        raise UsageError(f"no system {name!r}; known: {', '.join(SYSTEMS)}")
+    module, _, attribute = SYSTEMS[name].partition(":")
+    return cast("type[System]", getattr(importlib.import_module(module), attribute))
