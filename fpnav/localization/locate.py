@@ -1,0 +1,227 @@
+"""From signatures to answers: ranking, decision and what is stated about it.
+
+``place`` -1 means not localized; it is never replaced by the nearest guess, which stays readable
+in the ranking.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fpnav.localization.confidence import Confidence
+from fpnav.localization.filter import (
+    FilterParams,
+    Transitions,
+    entropy,
+    filter_belief,
+    make_steps,
+    most_likely_path,
+    smooth_belief,
+)
+from fpnav.systems.base import Memory, Recall, System, Trace
+from fpnav.topomap.graph import TopoMap
+from fpnav.values import FloatArray, Signature
+
+Advance = Callable[[int], None]
+BLOCK = 64
+LARGEST_BELIEF = 20_000_000
+
+
+class Method(StrEnum):
+    """How a sequence of signatures is turned into places."""
+
+    MATCH = "match"
+    FILTER = "filter"
+    SMOOTH = "smooth"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answers:
+    """Columns of a result, see store.tables.Result; Q queries, k ranks, P places."""
+
+    places: NDArray[np.int64]
+    members: NDArray[np.int64]
+    scores: FloatArray
+    headings_rad: FloatArray
+    decision: NDArray[np.int64]
+    stated: FloatArray
+    entropy: FloatArray
+    belief: NDArray[np.float32]
+    relative: FloatArray
+    covariance: FloatArray
+
+
+def recall_all(
+    memory: Memory,
+    queries: Sequence[Signature],
+    k: int,
+    allowed: Callable[[int, int], NDArray[np.bool_]] | None,
+    advance: Advance,
+) -> Recall:
+    """Recall in blocks, the trace carried along.
+
+    ``allowed(start, stop)`` gives the (stop - start, P) mask of a block of queries.
+    """
+    answers = list(_recall_blocks(memory, queries, k, allowed, advance))
+    return Recall(
+        np.concatenate([answer.places for answer in answers]),
+        np.concatenate([answer.scores for answer in answers]),
+        np.concatenate([answer.headings_rad for answer in answers]),
+    )
+
+
+def _recall_blocks(
+    memory: Memory,
+    queries: Sequence[Signature],
+    k: int,
+    allowed: Callable[[int, int], NDArray[np.bool_]] | None,
+    advance: Advance,
+) -> Iterator[Recall]:
+    trace: Trace = None
+    for start in range(0, max(1, len(queries)), BLOCK):
+        stop = min(start + BLOCK, len(queries))
+        mask = None if allowed is None else allowed(start, stop)
+        answer, trace = memory.recall([queries[i] for i in range(start, stop)], k, mask, trace)
+        yield answer
+        advance(stop - start)
+
+
+def locate(
+    system: System,
+    memory: Memory,
+    topomap: TopoMap,
+    mapped: Sequence[Signature],
+    queries: Sequence[Signature],
+    *,
+    method: Method,
+    params: FilterParams,
+    confidence: Confidence,
+    depth: int,
+    advance: Advance,
+) -> Answers:
+    """Locate a run on a map.
+
+    Parameters
+    ----------
+    mapped : the map's signatures, which the places' members index
+    depth : ranks kept per query
+    """
+    recall = recall_all(memory, queries, len(topomap), None, advance)
+    if method is Method.MATCH:
+        belief = np.zeros((len(queries), 0))
+        ranked, stated = recall, confidence.stated(recall.scores[:, 0])
+        decided = stated >= 0.5
+    else:
+        belief, path = _belief(system, topomap, queries, recall, method, params)
+        ranked = _ranked_by(belief, path, recall, topomap.ids)
+        stated = ranked.scores[:, 0]
+        limit = params.entropy_share * np.log(max(2, len(topomap)))
+        decided = (stated >= params.confident) | (entropy(belief) <= limit)
+    members = np.full(ranked.places.shape, -1, dtype=np.int64)
+    top = _best_members(system, topomap, mapped, queries, ranked.places[:, 0])
+    members[:, 0] = top.places[:, 0]
+    headings = ranked.headings_rad.copy()
+    headings[:, 0] = top.headings_rad[:, 0]
+    return Answers(
+        places=ranked.places[:, :depth],
+        members=members[:, :depth],
+        scores=ranked.scores[:, :depth],
+        headings_rad=headings[:, :depth],
+        decision=np.where(decided, ranked.places[:, 0], -1),
+        stated=stated,
+        entropy=entropy(belief) if belief.shape[1] else np.full(len(queries), np.nan),
+        belief=belief.astype(np.float32) if belief.size <= LARGEST_BELIEF else _none(len(queries)),
+        **_no_pose(len(queries)),
+    )
+
+
+def _belief(
+    system: System,
+    topomap: TopoMap,
+    queries: Sequence[Signature],
+    recall: Recall,
+    method: Method,
+    params: FilterParams,
+) -> tuple[FloatArray, NDArray[np.int64] | None]:
+    scores, headings = by_place(recall, topomap.ids)
+    likelihood = system.likelihood(scores) ** params.power
+    transitions = Transitions.of(topomap, params)
+    steps = make_steps(transitions, [query.reference for query in queries], headings)
+    if method is Method.FILTER:
+        return filter_belief(likelihood, steps), None
+    path = most_likely_path(likelihood, steps) if params.decode == "viterbi" else None
+    return smooth_belief(likelihood, steps), path
+
+
+def by_place(recall: Recall, ids: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+    """Scores and headings as (Q, P) over ascending place ids; -inf and NaN where not ranked."""
+    shape = (len(recall.places), len(ids))
+    scores, headings = np.full(shape, -np.inf), np.full(shape, np.nan)
+    rows, ranks = np.nonzero(recall.places >= 0)
+    columns = np.searchsorted(ids, recall.places[rows, ranks])
+    scores[rows, columns] = recall.scores[rows, ranks]
+    headings[rows, columns] = recall.headings_rad[rows, ranks]
+    return scores, headings
+
+
+def _ranked_by(
+    belief: FloatArray, path: NDArray[np.int64] | None, recall: Recall, ids: NDArray[np.int64]
+) -> Recall:
+    """Places by falling belief, ties by id; the Viterbi path, where given, takes the first rank."""
+    keyed = belief.copy()
+    if path is not None:
+        keyed[np.arange(len(path)), path] += 1.0
+    order = np.argsort(-keyed, axis=1, kind="stable")
+    _, headings = by_place(recall, ids)
+    return Recall(
+        ids[order],
+        np.take_along_axis(belief, order, axis=1),
+        np.take_along_axis(headings, order, axis=1),
+    )
+
+
+def _best_members(
+    system: System,
+    topomap: TopoMap,
+    mapped: Sequence[Signature],
+    queries: Sequence[Signature],
+    places: NDArray[np.int64],
+) -> Recall:
+    """The member signature of the given place each query is most like, (Q, 1); -1 without place.
+
+    Its heading is relative to that member, not to the place's frame: a long place has one frame,
+    but what is seen turns along it.
+    """
+    memory = frame_memory(system, mapped)
+    owner = topomap.owner(len(mapped))
+
+    def allowed(start: int, stop: int) -> NDArray[np.bool_]:
+        asked = places[start:stop, None]
+        return np.asarray((owner[None, :] == asked) & (asked >= 0))
+
+    return recall_all(memory, queries, 1, allowed, lambda done: None)
+
+
+def frame_memory(system: System, signatures: Sequence[Signature]) -> Memory:
+    """A memory in which every signature is a place of its own, its id the row."""
+    memory = system.memory()
+    memory.fit(signatures)
+    for row, signature in enumerate(signatures):
+        memory.learn(row, signature)
+    return memory
+
+
+def _none(queries: int) -> NDArray[np.float32]:
+    return np.zeros((queries, 0), dtype=np.float32)
+
+
+def _no_pose(queries: int) -> dict[str, FloatArray]:
+    return {
+        "relative": np.full((queries, 3), np.nan),
+        "covariance": np.full((queries, 3, 3), np.nan),
+    }

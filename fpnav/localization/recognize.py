@@ -1,0 +1,186 @@
+"""Frame-to-frame place recognition: one run against its own past, or query against reference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fpnav.errors import LogError
+from fpnav.localization.confidence import Confidence, fit_confidence
+from fpnav.localization.locate import Advance, Answers, frame_memory, recall_all
+from fpnav.store.tables import SignatureTable
+from fpnav.systems.base import Memory, Recall, System, Verification
+from fpnav.values import FloatArray, Signature
+
+SAMPLE = 200
+"""Reference signatures looked at to learn what right and wrong scores look like."""
+
+
+def past_candidates(
+    references: NDArray[np.void], exclude_path_m: float, exclude_frames: int
+) -> NDArray[np.int64]:
+    """How many of the first rows each row may be matched with, (R,).
+
+    A row may be matched with rows at least ``exclude_path_m`` of travel and ``exclude_frames``
+    messages of the primary role before it, and with every row of earlier sessions.
+
+    Raises
+    ------
+    LogError
+        A path is to be excluded and the run has neither odometry nor truth to measure it by.
+    """
+    travelled = references["travelled_m"]
+    if exclude_path_m > 0 and not np.isfinite(travelled).all():
+        raise LogError(
+            "--exclude-path needs odometry or truth to measure the path; "
+            "the run has neither: use --exclude-frames"
+        )
+    counts = np.zeros(len(references), dtype=np.int64)
+    for session in np.unique(references["session"]):
+        rows = np.flatnonzero(references["session"] == session)
+        first = rows[0]
+        allowed = np.full(len(rows), len(rows))
+        if exclude_path_m > 0:
+            reach = travelled[rows] - exclude_path_m
+            allowed = np.minimum(allowed, np.searchsorted(travelled[rows], reach, side="right"))
+        reach = references["index"][rows] - max(exclude_frames, 1)
+        allowed = np.minimum(
+            allowed, np.searchsorted(references["index"][rows], reach, side="right")
+        )
+        counts[rows] = first + allowed
+    return counts
+
+
+def recognize(
+    system: System,
+    reference: SignatureTable,
+    queries: SignatureTable,
+    candidates: NDArray[np.int64],
+    *,
+    depth: int,
+    verify_top: int,
+    advance: Advance,
+) -> Answers:
+    """Match each query with the first ``candidates`` reference rows it is allowed.
+
+    Parameters
+    ----------
+    candidates : (Q,)
+    depth : ranks kept per query
+    verify_top : best candidates handed to the system's geometric check, where it has one
+    """
+    memory = frame_memory(system, reference)
+    rows = np.arange(len(reference))
+
+    def allowed(start: int, stop: int) -> NDArray[np.bool_]:
+        return np.asarray(rows[None, :] < candidates[start:stop, None])
+
+    recall = recall_all(memory, queries, max(depth, verify_top), allowed, advance)
+    recall, relative, covariance = _verified(system, reference, queries, recall, verify_top)
+    confidence = _confidence(system, memory, reference, verify=verify_top > 0)
+    stated = confidence.stated(recall.scores[:, 0])
+    decided = (recall.places[:, 0] >= 0) & (stated >= 0.5)
+    return Answers(
+        places=recall.places[:, :depth],
+        members=recall.places[:, :depth],
+        scores=recall.scores[:, :depth],
+        headings_rad=recall.headings_rad[:, :depth],
+        decision=np.where(decided, recall.places[:, 0], -1),
+        stated=stated,
+        entropy=np.full(len(queries), np.nan),
+        belief=np.zeros((len(queries), 0), dtype=np.float32),
+        relative=relative,
+        covariance=covariance,
+    )
+
+
+def _verified(
+    system: System,
+    reference: Sequence[Signature],
+    queries: Sequence[Signature],
+    recall: Recall,
+    top: int,
+) -> tuple[Recall, FloatArray, FloatArray]:
+    """Ranking reordered by the geometric check, with the relative poses it gave."""
+    places, scores = recall.places.copy(), recall.scores.copy()
+    headings = recall.headings_rad.copy()
+    relative = np.full((len(queries), 3), np.nan)
+    covariance = np.full((len(queries), 3, 3), np.nan)
+    for row in range(len(queries)):
+        ranked = places[row, :top][places[row, :top] >= 0]
+        if len(ranked) == 0:
+            continue
+        checked = system.verify(queries[row], [reference[int(place)] for place in ranked])
+        if checked is None:
+            return recall, relative, covariance
+        order = np.lexsort((ranked, -checked.scores))
+        places[row, : len(ranked)] = ranked[order]
+        scores[row, : len(ranked)] = checked.scores[order]
+        headings[row, : len(ranked)] = headings[row, : len(ranked)][order]
+        scores[row, len(ranked) :] = np.minimum(scores[row, len(ranked) :], checked.scores.min())
+        _keep_pose(checked, int(order[0]), relative[row], covariance[row])
+    return Recall(places, scores, headings), relative, covariance
+
+
+def _keep_pose(
+    checked: Verification, best: int, relative: FloatArray, covariance: FloatArray
+) -> None:
+    found = checked.relative[best]
+    if found is not None:
+        relative[:] = found.pose.x_m, found.pose.y_m, found.pose.heading_rad
+        covariance[:] = np.reshape(found.covariance, (3, 3))
+
+
+def _confidence(
+    system: System, memory: Memory, reference: SignatureTable, *, verify: bool
+) -> Confidence:
+    """What right and wrong scores look like in the reference run, without any truth.
+
+    Right: the next signature of the run. Wrong: the tenth best of those not near it in the run (or
+    the last, where there are fewer), which revisits of the run itself cannot reach.
+    """
+    if len(reference) < 4:
+        return fit_confidence(np.array([]), np.array([]))
+    every = max(1, len(reference) // SAMPLE)
+    rows = np.arange(0, len(reference) - 1, every)
+    queries = [reference[int(row)] for row in rows]
+
+    def following(start: int, stop: int) -> NDArray[np.bool_]:
+        return np.asarray(np.arange(len(reference))[None, :] == rows[start:stop, None] + 1)
+
+    def others(start: int, stop: int) -> NDArray[np.bool_]:
+        apart = np.abs(np.arange(len(reference))[None, :] - rows[start:stop, None])
+        return np.asarray(apart > min(10, len(reference) // 4))
+
+    right = recall_all(memory, queries, 1, following, lambda done: None)
+    wrong = recall_all(memory, queries, 10, others, lambda done: None)
+    found = [_last(recall) for recall in (right, wrong)]
+    if verify:
+        return fit_confidence(*(_checked(system, reference, queries, *one) for one in found))
+    return fit_confidence(*(scores for _, scores in found))
+
+
+def _last(recall: Recall) -> tuple[NDArray[np.int64], FloatArray]:
+    """Place and score of the last rank filled in each row; -1 and -inf where none is."""
+    rows = np.arange(len(recall.places))
+    last = np.maximum((recall.places >= 0).sum(axis=1) - 1, 0)
+    return recall.places[rows, last], recall.scores[rows, last]
+
+
+def _checked(
+    system: System,
+    reference: Sequence[Signature],
+    queries: Sequence[Signature],
+    places: NDArray[np.int64],
+    scores: FloatArray,
+) -> FloatArray:
+    """Scores on the scale of the geometric check, where the system has one."""
+    out = scores.copy()
+    for row in np.flatnonzero(places >= 0).tolist():
+        checked = system.verify(queries[row], [reference[int(places[row])]])
+        if checked is None:
+            return scores
+        out[row] = checked.scores[0]
+    return out
