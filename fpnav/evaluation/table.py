@@ -1,0 +1,265 @@
+"""The table of metrics: name, function, meaning. A new metric is one line here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from fpnav.evaluation.calibration import brier_skill, ece
+from fpnav.evaluation.loops import loop_precision, loop_recall
+from fpnav.evaluation.measure import Measure
+from fpnav.evaluation.places import kidnap_recovery, mission_success, place_accuracy, places
+from fpnav.evaluation.poses import field_rho, heading_error, position_error
+from fpnav.evaluation.precision import over_curve
+from fpnav.evaluation.ranking import decision_precision, new_place_recall, not_localized, recall_at
+from fpnav.evaluation.topology import node_precision, node_recall, topology_equal
+
+_DC = "; a wrong best match within 3 m and 90 degrees counts neither way"
+_TOLERANT = "; a graph neighbour counts while the query is within 0.5 m of their border"
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One metric: how it is measured, what it says, what ``n`` of ``of`` counts, what is good."""
+
+    measure: Measure
+    title: str
+    meaning: str
+    counts: str
+    better: Literal["higher", "lower", "neither"] = "higher"
+
+
+def _recall(depth: int) -> dict[str, Entry]:
+    first = "first" if depth == 1 else f"first {depth}"
+    title = "Recall at 1" if depth == 1 else f"Recall at {depth}"
+    return {
+        f"recall_at_{depth}": Entry(
+            recall_at(depth),
+            title,
+            f"share of the queries that have a match and find one among the {first} of the "
+            "ranking; abstaining does not change the ranking",
+            "queries that find one, of those that have a match",
+        ),
+        f"recall_at_{depth}_all": Entry(
+            recall_at(depth, every_query=True),
+            f"{title}, of all queries",
+            f"the same count over all judged queries, also those without any match: a run in "
+            f"which half the places are new cannot exceed one half ({first})",
+            "queries that find one, of all judged queries",
+        ),
+    }
+
+
+_POSITIVES = "queries with a match, of all judged queries"
+
+METRICS: dict[str, Entry] = {
+    **_recall(1),
+    **_recall(5),
+    **_recall(10),
+    "average_precision": Entry(
+        over_curve("average_precision"),
+        "Average precision",
+        "step sum of precision over recall of the best match per query; recall base = queries "
+        "with a match, queries without one are negatives",
+        _POSITIVES,
+    ),
+    "average_precision_dc": Entry(
+        over_curve("average_precision", dont_care=True),
+        "Average precision, near misses aside",
+        f"average precision{_DC}",
+        _POSITIVES,
+    ),
+    "auc_pr": Entry(
+        over_curve("area"),
+        "Area under precision-recall",
+        "trapezoid over recall of all queries with a match, anchored at recall 0 with the first "
+        "precision",
+        _POSITIVES,
+    ),
+    "auc_pr_vprbench": Entry(
+        over_curve("area_of_correct"),
+        "The same area as VPR-Bench has it",
+        "recall counted over the right best matches only, so that queries without a right answer "
+        "do not lower it; for comparison with figures published under that definition",
+        _POSITIVES,
+    ),
+    "recall_at_100_precision": Entry(
+        over_curve("recall_at_100"),
+        "Recall at 100 % precision",
+        "largest recall at a threshold that lets no wrong best match through; exact sweep over "
+        "every score; the threshold is picked on this very run, so no run could have known it",
+        _POSITIVES,
+    ),
+    "recall_at_100_precision_dc": Entry(
+        over_curve("recall_at_100", dont_care=True),
+        "Recall at 100 % precision, near misses aside",
+        f"recall at 100 % precision{_DC}",
+        _POSITIVES,
+    ),
+    "recall_at_99_precision": Entry(
+        over_curve("recall_at_99"),
+        "Recall at 99 % precision",
+        "largest recall at a threshold with at least 99 % of the accepted matches right; hangs "
+        "less on a single query than 100 %",
+        _POSITIVES,
+    ),
+    "recall_at_99_precision_dc": Entry(
+        over_curve("recall_at_99", dont_care=True),
+        "Recall at 99 % precision, near misses aside",
+        f"recall at 99 % precision{_DC}",
+        _POSITIVES,
+    ),
+    "extended_precision": Entry(
+        over_curve("extended_precision"),
+        "Extended precision",
+        "(precision of the highest scored answers + recall at 100 % precision) / 2, with recall "
+        "over the right best matches, as VPR-Bench has it",
+        _POSITIVES,
+    ),
+    "brier_skill": Entry(
+        brier_skill,
+        "Brier skill of the stated probability",
+        "1 - Brier score / Brier score of always stating the share right: 1 is perfect, 0 no "
+        "better than the base rate, below 0 worse",
+        "queries with a stated probability, of all judged queries",
+    ),
+    "ece": Entry(
+        ece,
+        "Expected calibration error",
+        "mean gap between stated probability and share right, over ten bins of equal width",
+        "queries with a stated probability, of all judged queries",
+        "lower",
+    ),
+    "place_accuracy_top1": Entry(
+        place_accuracy(1),
+        "Right place",
+        "share of queries whose best answer is the place owning the nearest mapping pose",
+        "queries in the right place, of those that stand within 1 m of a mapping pose",
+    ),
+    "place_accuracy_top1_tolerant": Entry(
+        place_accuracy(1, tolerant=True),
+        "Right place, or its neighbour at the border",
+        f"right place{_TOLERANT}",
+        "queries in the right place, of those that stand within 1 m of a mapping pose",
+    ),
+    "place_accuracy_top3": Entry(
+        place_accuracy(3),
+        "Right place among the first three",
+        "share of queries whose true place is among the first three answers",
+        "queries, of those that stand within 1 m of a mapping pose",
+    ),
+    "place_accuracy_top3_tolerant": Entry(
+        place_accuracy(3, tolerant=True),
+        "Right place or neighbour among the first three",
+        f"true place among the first three{_TOLERANT}",
+        "queries, of those that stand within 1 m of a mapping pose",
+    ),
+    "place_accuracy_settled": Entry(
+        place_accuracy(1, skip=20),
+        "Right place once settled",
+        "right place, the first 20 queries left out: a belief needs some travel",
+        "queries, of those that stand within 1 m of a mapping pose",
+    ),
+    "place_accuracy_settled_tolerant": Entry(
+        place_accuracy(1, tolerant=True, skip=20),
+        "Right place or neighbour once settled",
+        f"right place, the first 20 queries left out{_TOLERANT}",
+        "queries, of those that stand within 1 m of a mapping pose",
+    ),
+    "mission_success": Entry(
+        mission_success(),
+        "Missions that succeed",
+        "share of missions (stretches of the run, at least 20) that end in the right place with "
+        "every decision on the way right",
+        "missions",
+    ),
+    "mission_success_tolerant": Entry(
+        mission_success(tolerant=True),
+        "Missions that succeed, borders tolerated",
+        f"missions that succeed{_TOLERANT}",
+        "missions",
+    ),
+    "kidnap_recovery_m": Entry(
+        kidnap_recovery,
+        "Recovery from kidnapping",
+        "median metres of travel from a jump of the robot to the first right decision",
+        "kidnappings recovered from, of all",
+        "lower",
+    ),
+    "not_localized": Entry(
+        not_localized,
+        "Decisions withheld",
+        "share of queries for which nothing was near enough: an answer of its own, never a guess",
+        "queries without a decision, of all queries",
+        "neither",
+    ),
+    "decision_precision": Entry(
+        decision_precision,
+        "Right when decided",
+        "share of the decisions made that are right",
+        "right decisions, of those made on judged queries",
+    ),
+    "new_place_recall": Entry(
+        new_place_recall,
+        "New places recognised as new",
+        "share of the queries without any match whose decision was withheld",
+        "withheld, of judged queries without a match",
+    ),
+    "position_error_median_m": Entry(
+        position_error,
+        "Position error",
+        "median distance from the truth of the query to that of the best member signature, the "
+        "relative pose applied where verified",
+        "queries measured, of those that have a match",
+        "lower",
+    ),
+    "heading_error_median_deg": Entry(
+        heading_error,
+        "Heading error",
+        "median error of the stated heading where the best answer is right",
+        "queries measured, of those answered right",
+        "lower",
+    ),
+    "places": Entry(places, "Places", "number of places of the map", "places", "neither"),
+    "topology_equal": Entry(
+        topology_equal,
+        "Shape of the building",
+        "1 where the map, places of one room merged, joins exactly the rooms that the mapping run "
+        "drove between; spaces joined without a door are one room",
+        "passages in both map and building, of those in either",
+    ),
+    "node_precision": Entry(
+        node_precision,
+        "Places that start at something",
+        "share of places that start within 1 m of a listed open door or change of the world",
+        "places, of those that start along the way",
+    ),
+    "node_recall": Entry(
+        node_recall,
+        "Doors and changes that got a place",
+        "share of listed open doors and changes within 1 m of the mapping path at which a place "
+        "starts within 1 m",
+        "doors and changes, of those passed",
+    ),
+    "loop_precision": Entry(
+        loop_precision,
+        "Loops that are loops",
+        "share of the loops claimed that are loops in truth",
+        "right, of those claimed",
+    ),
+    "loop_recall": Entry(
+        loop_recall,
+        "Loops found",
+        "share of the returns in truth that were claimed right",
+        "found, of those in truth",
+    ),
+    "field_rho": Entry(
+        field_rho,
+        "Place fields",
+        "Spearman correlation of matching score and distance to the place's centre, over the true "
+        "place and its neighbours: strongly negative where scores fall off around a place",
+        "pairs of query and place in the ranking, of all such pairs",
+        "lower",
+    ),
+}
+"""Every metric of ``evaluate``, in the order they are printed."""
