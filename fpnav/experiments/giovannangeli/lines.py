@@ -1,0 +1,200 @@
+"""Place fields along a line: figures 3, 4 and 7, and how fields grow with the world."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fpnav.evaluation.fields import (
+    FIELD_SHARE,
+    Fields,
+    field_slope,
+    fields_of,
+    half_width_ratio,
+    learned_activity,
+    nearest_wins,
+    occlusion,
+    peak_error,
+    roughness_ratio,
+    silent,
+    widths,
+)
+from fpnav.execution.stages import locate_run, make_map, take
+from fpnav.execution.walk import Run, SystemChoice
+from fpnav.experiments.study import Outcome
+from fpnav.experiments.workshop import Workshop, job_of
+from fpnav.localization.locate import Method
+from fpnav.params import Tables
+from fpnav.report.figures import fields as drawing
+from fpnav.report.study import Illustration
+from fpnav.sim.record import Job
+from fpnav.values import Metric
+
+LEARN, TEST = 1, 3
+"""Runs: the line is driven once to learn and once more at the same time of day."""
+
+SCALES = (0.25, 0.5, 1.0, 2.0)
+"""Sizes of the outdoor world; at 1 landmarks stand 10 to 50 m away."""
+
+SAME_DAY: Tables = {"world": {"moved_share": 0.0}, "film": {"exposure_spread": 0.01}}
+"""Nothing is moved between learning and test; the gain of the camera is fixed."""
+
+SAME_LAMPS: Tables = {
+    "world": {"moved_share": 0.0, "lamp_spread": 0.0, "warmth_spread": 0.0},
+    "film": {"exposure_spread": 0.01},
+}
+
+
+def choice(preset: str, **changes: Any) -> SystemChoice:
+    """The system with a preset's parameters and changes to them."""
+    return SystemChoice("placecell", preset, {"placecell": changes})
+
+
+def soft_and_strict(shop: Workshop, seed: int) -> Outcome:
+    """B1, figure 3: five places 60 cm apart in a room, soft and strict competition."""
+    learn = shop.log(_job("room", seed, LEARN, SAME_LAMPS, step_m=0.2))
+    test = shop.log(_job("room", seed, TEST, SAME_LAMPS))
+    soft = line(shop, learn, test, choice("fig3b"))
+    strict = line(shop, learn, test, choice("fig3b", interpretations=1))
+    wins = nearest_wins(soft), nearest_wins(strict)
+    metrics = [
+        min(wins, key=lambda metric: metric.value),
+        _named(wins[0], "nearest_wins_soft"),
+        _named(wins[1], "nearest_wins_strict"),
+        _named(silent(soft), "silent_samples_soft"),
+        _named(silent(strict), "silent_samples_strict"),
+        half_width_ratio(soft, strict),
+        max((peak_error(soft), peak_error(strict)), key=lambda metric: metric.value),
+        learned_activity(soft),
+    ]
+    pictures = [
+        _picture("strict", "Figure 3a here: strict competition", strict),
+        _picture("soft", "Figure 3b here: soft competition", soft),
+    ]
+    return Outcome(metrics, pictures, {"preset": "fig3b"})
+
+
+def short_term_memory(shop: Workshop, seed: int) -> Outcome:
+    """B2, figure 4: six places 5 m apart in the open, with and without short-term memory."""
+    learn = shop.log(_job("outdoor", seed, LEARN, SAME_DAY, step_m=1.0))
+    test = shop.log(_job("outdoor", seed, TEST, SAME_DAY))
+    without = line(shop, learn, test, choice("fig4c", qmax=0))
+    held = line(shop, learn, test, choice("fig4c"))
+    window = line(shop, learn, test, choice("fig4c", stm="window"))
+    metrics = [
+        roughness_ratio(held, without),
+        _named(roughness_ratio(window, without), "roughness_ratio_window"),
+        learned_activity(held),
+        _named(learned_activity(without), "learned_activity_without"),
+        nearest_wins(held),
+        _named(nearest_wins(without), "nearest_wins_without"),
+        _diameter(held),
+    ]
+    pictures = [
+        _picture("without", "Figure 4b here: without extended memory", without),
+        _picture("with", "Figure 4c here: the last four panoramas are held", held),
+    ]
+    return Outcome(metrics, pictures, {"preset": "fig4c"})
+
+
+def growing_fields(shop: Workshop, seed: int) -> Outcome:
+    """B3: the diameter of the fields over the size of the world."""
+    diameters = []
+    for scale in SCALES:
+        learn, test = (_scaled(shop, seed, run, scale) for run in (LEARN, TEST))
+        fields = line(shop, learn, test, choice("fig4c"))
+        diameters.append(float(widths(fields, FIELD_SHARE).mean()))
+    metrics = [field_slope(np.array(SCALES), np.array(diameters))]
+    metrics += [
+        Metric(f"diameter_at_scale_{scale:g}", width, 1, 1, "m")
+        for scale, width in zip(SCALES, diameters, strict=True)
+    ]
+    return Outcome(metrics, (), {"preset": "fig4c", "scales": list(SCALES)})
+
+
+def occluded(shop: Workshop, seed: int) -> Outcome:
+    """B4, figure 7: half of the view hidden from the middle of the line on, eq. 3 and eq. 4."""
+    learn = shop.log(_job("outdoor", seed, LEARN, SAME_DAY, step_m=1.0))
+    free_log = shop.log(_job("outdoor", seed, TEST, SAME_DAY))
+    hidden = {**SAME_DAY, "mask": {"share": 0.5, "from_share": 0.5}}
+    hidden_log = shop.log(_job("outdoor", seed, TEST, hidden))
+    metrics: list[Metric] = []
+    pictures = []
+    for name, rho_l in (("", 0.25), ("_eq3", 1.0)):
+        chosen = choice("fig7b", rho_l=rho_l, drop_hidden=True)
+        free, dark = (_inner(line(shop, learn, log, chosen)) for log in (free_log, hidden_log))
+        middle = float(free.position_m.mean())
+        ratio, winner = occlusion(dark, free, middle)
+        near = nearest_wins(dark.between(middle, np.inf))
+        metrics += [
+            _named(ratio, f"occlusion_peak_ratio{name}"),
+            _named(winner, f"occlusion_winner{name}"),
+            _named(near, f"occlusion_nearest_wins{name}"),
+        ]
+        title = "Figure 7b here: eq. 4" if rho_l < 1.0 else "Figure 7a here: eq. 3"
+        pictures.append(_picture(f"hidden{name}", title, dark, middle))
+    return Outcome(metrics, pictures, {"preset": "fig7b"})
+
+
+def line(shop: Workshop, learn: Any, test: Any, chosen: SystemChoice) -> Fields:
+    """Fields of the places labelled on one log, over another along the same line."""
+    run = shop.run(learn, chosen)
+    header, built = make_map(
+        labelled(run), [learn], guided=True, close_loops=False, advance=lambda done: None
+    )
+    asked = shop.run(test, chosen)
+    result = locate_run(
+        asked.system, header, built, asked, method=Method.MATCH, advance=lambda done: None
+    )
+    return fields_of(result)
+
+
+def labelled(run: Run) -> Run:
+    """The first signature of every place named on the way."""
+    first: dict[str, int] = {}
+    for row, signature in enumerate(run.table):
+        label = signature.reference.label
+        if label.startswith("place-"):
+            first.setdefault(label, row)
+    return Run(run.header, take(run.table, np.array(list(first.values()))), run.system)
+
+
+def _job(world: str, seed: int, run: int, tables: Tables, step_m: float = 0.0) -> Job:
+    """A drive along the line of a world, panorama only; its own step where none is given."""
+    changed = {**tables, "capture": {"step_m": step_m}}
+    return job_of(world, "line", seed, run, sensors=["panorama"], tables=changed)
+
+
+def _inner(fields: Fields) -> Fields:
+    """Figure 7 has four places, those between the ends of the line."""
+    activity, learned = fields.activity[:, 1:-1], fields.learned_m[1:-1]
+    return Fields(fields.position_m, activity, learned)
+
+
+def _scaled(shop: Workshop, seed: int, run: int, scale: float) -> Any:
+    """A line whose length, places and samples grow with the world."""
+    world = {
+        **SAME_DAY["world"],
+        "scale": scale,
+        "line_m": 25.0 * scale,
+        "spacing_m": 5.0 * scale,
+        "line_step_m": 0.5 * scale,
+    }
+    return shop.log(job_of("outdoor", "line", seed, run, tables={**SAME_DAY, "world": world}))
+
+
+def _diameter(fields: Fields) -> Metric:
+    found = widths(fields, FIELD_SHARE)
+    return Metric("field_diameter_m", float(found.mean()), len(found), len(found), "m")
+
+
+def _named(metric: Metric, name: str) -> Metric:
+    return Metric(name, metric.value, metric.n, metric.of, metric.unit, metric.low, metric.high)
+
+
+def _picture(
+    name: str, title: str, fields: Fields, hidden_from_m: float = float("nan")
+) -> Illustration:
+    caption = "One line a place cell; triangles mark where places were learned, on another run."
+    return Illustration(name, title, caption, lambda: drawing.draw(fields, hidden_from_m))

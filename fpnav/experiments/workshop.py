@@ -1,0 +1,112 @@
+"""Logs and signatures that experiments need: made once, kept and found again by content.
+
+What a log is made from (world, route, seed, run, rig) and the code that makes it decide its name;
+what signatures are made from (the log's bytes, the system's parameters, the code) theirs.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from fpnav.errors import FpnavError
+from fpnav.execution.checkpoint import Checkpoints
+from fpnav.execution.spread import Spread
+from fpnav.execution.walk import LogOptions, Run, SystemChoice, extract, make_system
+from fpnav.params import NO_TABLES, Tables
+from fpnav.publish import file_digest
+from fpnav.sim.catalogue import Setting, default_rig, overrides_in
+from fpnav.sim.record import Job, record
+from fpnav.sim.rig import make_rig
+from fpnav.store.results import read_header
+from fpnav.store.signatures import read_signatures, write_signatures
+
+SIMULATOR = ("sim", "logs", "geometry.py", "values.py")
+EXTRACTION = ("systems", "sensing", "logs", "geometry.py", "values.py")
+
+
+def job_of(
+    world: str,
+    route: str,
+    seed: int,
+    run: int = 1,
+    *,
+    sensors: Sequence[str] | None = None,
+    tables: Tables = NO_TABLES,
+) -> Job:
+    """Run of a world, with the world's own rig but for what the tables say."""
+    roles, defaults = default_rig(world)
+    rig = make_rig(list(sensors) if sensors else roles, defaults, tables)
+    return Job(Setting(world, seed, run, overrides_in(tables)), route, rig)
+
+
+@dataclass(frozen=True)
+class Workshop:
+    """Where logs and signatures are kept, and who makes them."""
+
+    folder: Path
+    spread: Spread
+
+    def log(self, job: Job) -> Path:
+        """Log of a run, simulated unless it is there already."""
+        setting = job.setting
+        name = f"{setting.name}-{job.route}-{setting.seed}-{setting.run}"
+        key = [setting.name, setting.seed, setting.run, setting.overrides, job.route]
+        rig = msgspec.to_builtins(job.rig)
+        path = self._kept("logs", name, [*key, rig, code_digest(SIMULATOR)], "mcap")
+        if not path.exists():
+            record(job, path, spread=self.spread)
+        return path
+
+    def run(self, log: Path, choice: SystemChoice) -> Run:
+        """Signatures of a log, extracted unless they are there already."""
+        system, preset = make_system(choice)
+        params = msgspec.to_builtins(system.params)
+        early = {name: params[name] for name in params if name not in system.LATE}
+        key = [file_digest(log), system.NAME, early, code_digest(EXTRACTION)]
+        path = self._kept("signatures", f"{log.stem}-{system.NAME}", key, "h5")
+        if not path.exists():
+            nowhere = Checkpoints(path, resume=False)
+            made = extract(
+                [log], system, preset, LogOptions(), self.spread, lambda done: None, nowhere
+            )
+            write_signatures(path, made.header, made.table)
+        header = {**read_header(path), "preset": preset, "params": params}
+        return Run(header, read_signatures(path, system.RECORD, system.PARTS), system)
+
+    def _kept(self, kind: str, name: str, key: Sequence[Any], ending: str) -> Path:
+        text = json.dumps(key, sort_keys=True).encode()
+        folder = self.folder / kind
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FpnavError(f"{folder}: cannot be made a folder: {error.strerror}") from error
+        return folder / f"{name}-{hashlib.sha256(text).hexdigest()[:12]}.{ending}"
+
+
+@functools.cache
+def code_digest(parts: tuple[str, ...]) -> str:
+    """Digest of the source of some rooms: what they make is made anew when they change."""
+    digest = hashlib.sha256()
+    for part in parts:
+        for name, data in _sources(files("fpnav") / part):
+            digest.update(name.encode() + data)
+    return digest.hexdigest()
+
+
+def _sources(place: Traversable) -> list[tuple[str, bytes]]:
+    """Names and bytes of all Python and TOML files at or below a place, by name."""
+    if place.is_file():
+        wanted = place.name.endswith((".py", ".toml"))
+        return [(place.name, place.read_bytes())] if wanted else []
+    below = sorted(place.iterdir(), key=lambda entry: entry.name)
+    return [source for entry in below for source in _sources(entry)]

@@ -1,0 +1,1 @@
+"""Figures of a report: one module a kind, each a function from an entry to a drawing."""

@@ -1,0 +1,95 @@
+"""Figures: drawn where there is something to draw, with words that hold its numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.results import nowhere, office_run, recognition, revisit_run
+
+from fpnav.report.entry import Entry, entries_of
+from fpnav.report.figures.runs import confusion_table
+from fpnav.report.figures.style import as_png, as_svg, new_figure, shown, styled
+from fpnav.report.figures.table import COMPARISONS, PLOTS
+
+
+@pytest.fixture(scope="module")
+def entries() -> list[Entry]:
+    pairs = recognition([[0.9, 0.2], [0.3, 0.8]], pairs={0: [0], 1: [1]}, queries=nowhere(2))
+    return entries_of(
+        [("office", office_run("match", step_m=1.0)), ("laps", revisit_run()), ("pairs", pairs)]
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "drawn"),
+    [
+        ("map", ["office", "laps"]),
+        ("matches", ["laps", "pairs"]),
+        ("precision-recall", ["office", "laps", "pairs"]),
+        ("recall", ["office", "laps", "pairs"]),
+        ("tolerance", ["laps"]),
+        ("confusion", ["office"]),
+        ("calibration", ["office", "laps"]),
+        ("belief", ["office"]),
+        ("error", ["office", "laps"]),
+        ("novelty", ["office"]),
+        ("strips", ["office"]),
+    ],
+)
+def test_a_figure_is_drawn_of_the_results_that_have_it(
+    entries: list[Entry], name: str, drawn: list[str]
+) -> None:
+    with styled():
+        made = {entry.name: PLOTS[name].draw(entry) for entry in entries}
+    assert [entry for entry, drawing in made.items() if drawing is not None] == drawn
+    assert all(len(drawing.alt) > 20 for drawing in made.values() if drawing is not None)
+
+
+def test_a_comparison_needs_two_results_that_have_it(entries: list[Entry]) -> None:
+    with styled():
+        assert COMPARISONS["compare-recall"].draw(entries) is not None
+        assert COMPARISONS["compare-tolerance"].draw(entries) is None
+
+
+def test_words_under_a_figure_hold_its_numbers(entries: list[Entry]) -> None:
+    with styled():
+        drawing = PLOTS["recall"].draw(entries[2])
+    assert drawing is not None
+    assert drawing.alt == "Recall over the first N answers. pairs: 100 % at 1, 100 % at 2."
+
+
+@pytest.mark.parametrize(
+    "text", ["$$", "$\\frac{1}{0$", "/a$b$c", "_hidden", "日本", "a\nb\x1b[0m"]
+)
+def test_any_text_is_drawn_as_it_stands(text: str) -> None:
+    with styled():
+        figure, axis = new_figure()
+        axis.plot([0, 1], [0, 1], label=shown(text))
+        axis.set_title(shown(text))
+        axis.legend()
+    assert b"<svg" in as_svg(figure)
+    assert as_png(figure).startswith(b"\x89PNG")
+
+
+def test_settings_of_the_user_change_nothing() -> None:
+    import matplotlib as mpl
+
+    def draw() -> bytes:
+        with styled():
+            figure, axis = new_figure()
+            axis.plot([0, 1], [0, 1])
+        return as_svg(figure)
+
+    plain = draw()
+    with mpl.rc_context({"lines.linewidth": 9, "axes.facecolor": "red", "font.size": 30}):
+        assert draw() == plain
+
+
+def test_long_names_lose_their_middle() -> None:
+    assert shown("a" * 30 + "b" * 30) == "a" * 19 + "\u2026" + "b" * 19
+
+
+def test_the_confusion_counts_decisions_and_the_last_column_what_was_withheld() -> None:
+    ids = np.array([4, 7])
+    table = confusion_table(np.array([4, 4, 7, -1, 7]), np.array([4, 7, -1, 4, 99]), ids)
+    assert table.tolist() == [[1, 1, 0], [0, 0, 2]]
