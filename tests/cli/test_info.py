@@ -1,0 +1,78 @@
+"""``fpnav info`` on logs: one screen, or JSON."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from helpers import mcaps
+from helpers.commands import run
+from helpers.logs import START_NS, STEP_NS, drive, log_bytes, scan, write_log
+
+from fpnav.logs.writer import LogWriter
+
+
+def test_a_log_is_told_on_one_screen(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    outcome = run(capsys, "info", write_log(tmp_path / "a.mcap"))
+    lines = outcome.out.splitlines()
+    assert outcome.code == 0
+    assert outcome.err == ""
+    assert lines[0].startswith("a.mcap: MCAP log, ")
+    assert lines[0].endswith("1.1 s, verified")
+    assert lines[1] == "written by fpnav, profile ros2, 1 chunk zstd"
+    assert any(line.split() == ["scan", "/scan", "sensor_msgs/msg/LaserScan", "12", "10"]
+               for line in lines)  # fmt: skip
+    assert "frames stand at the stamps of panorama" in lines
+    assert "path 1.1 m by odometry" in lines
+    assert "fingerprint: can run" in lines
+
+
+def test_what_a_system_lacks_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write_log(tmp_path / "a.mcap", lambda w: w.heading(START_NS, 0.5))
+    outcome = run(capsys, "info", path)
+    assert "fingerprint: lacks scan or panorama or omni or camera" in outcome.out
+
+
+def test_lines_to_paste_are_offered_where_several_topics_fit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fill(writer: LogWriter) -> None:
+        for i in range(3):
+            writer.scan(START_NS + i * STEP_NS, scan(), topic="/rear/scan")
+            writer.scan(START_NS + i * STEP_NS, scan(), topic="/scan")
+
+    outcome = run(capsys, "info", write_log(tmp_path / "a.mcap", fill))
+    assert "scan is /scan; others:\n  --topic scan=/rear/scan\n" in outcome.out
+
+
+def test_a_damaged_log_is_described_and_named_damaged(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "cut.mcap").write_bytes(log_bytes(drive, "none")[:-12000])
+    outcome = run(capsys, "info", tmp_path / "cut.mcap")
+    assert outcome.code == 0
+    assert outcome.out.splitlines()[0].endswith("damaged")
+    assert "damage: E102 truncated in" in outcome.out
+
+
+def test_names_from_a_log_do_no_harm_to_a_terminal(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    parts = [mcaps.channel(1, "/a\n\x1b[31mred\u202e"), mcaps.message(1, 5, b"x")]
+    (tmp_path / "a.mcap").write_bytes(mcaps.whole(*parts))
+    outcome = run(capsys, "info", tmp_path / "a.mcap")
+    assert r"/a\n\x1b[31mred\u202e" in outcome.out
+    assert "\x1b" not in outcome.out
+
+
+def test_json_holds_the_same_facts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write_log(tmp_path / "a.mcap")
+    outcome = run(capsys, "info", path, path, "--json")
+    first, second = (json.loads(line) for line in outcome.out.splitlines())
+    assert first == second
+    assert first["kind"] == "log"
+    assert first["integrity"] == "verified"
+    assert first["roles"]["sonar"] == ["/sonar/0", "/sonar/1", "/sonar/2", "/sonar/3"]
+    assert first["travelled_m"] == pytest.approx(1.1)
+    assert first["systems"]["fingerprint"] == []
