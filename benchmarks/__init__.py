@@ -1,0 +1,1 @@
+"""What README's speed table is made with: ratios against a peer in the same run."""
