@@ -43,7 +43,7 @@ BRINGS = {
 
 EVERYWHERE = {"numpy", "msgspec", "networkx", "cv2", "numba"}
 SIBLINGS = {
-    "fpnav.systems": {"base"},
+    "fpnav.systems": {"base", "descriptors"},
     "fpnav.logs.sources": {"base"},
     "fpnav.export": {"subject", "graph", "scene_parts"},
 }
