@@ -11,6 +11,7 @@ import click
 from fpnav.cli import options
 from fpnav.cli.plain import size, table, visible
 from fpnav.cli.session import plural
+from fpnav.cli.stored import stored_lines
 
 
 @click.command("info")
@@ -31,14 +32,18 @@ def command(files: tuple[Path, ...], topics: dict[str, str], as_json: bool) -> N
             continue
         if number:
             click.echo()
-        for line in log_lines(facts):
+        for line in log_lines(facts) if facts["kind"] == "log" else stored_lines(facts):
             click.echo(line)
 
 
 def _facts(path: Path, topics: dict[str, str]) -> dict[str, Any]:
-    """Facts of a log, with the systems that can run on it."""
+    """Facts of a stored file, or of a log with the systems that can run on it."""
+    from fpnav.execution.walk import is_store
     from fpnav.logs.describe import describe_log
+    from fpnav.store.describe import describe_store
 
+    if not path.is_dir() and is_store(path):
+        return describe_store(path)
     facts = describe_log(path, topics)
     facts["systems"] = systems_of(facts["roles"])
     return facts

@@ -5,12 +5,16 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import h5py
 import pytest
-from helpers import mcaps
+from helpers import mcaps, stores
 from helpers.commands import run
 from helpers.logs import START_NS, STEP_NS, drive, log_bytes, scan, write_log
 
 from fpnav.logs.writer import LogWriter
+from fpnav.store.maps import write_map
+from fpnav.store.results import write_result
+from fpnav.store.signatures import write_signatures
 
 
 def test_a_log_is_told_on_one_screen(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -76,3 +80,56 @@ def test_json_holds_the_same_facts(tmp_path: Path, capsys: pytest.CaptureFixture
     assert first["roles"]["sonar"] == ["/sonar/0", "/sonar/1", "/sonar/2", "/sonar/3"]
     assert first["travelled_m"] == pytest.approx(1.1)
     assert first["systems"]["fingerprint"] == []
+
+
+def stored(folder: Path) -> dict[str, Path]:
+    """A file of each kind that the pipeline stores."""
+    paths = {kind: folder / f"{kind}.h5" for kind in ("signatures", "map", "result")}
+    write_signatures(paths["signatures"], stores.SIGNATURES_HEADER, stores.table())
+    write_map(paths["map"], {**stores.MAP_HEADER, "guided": True}, stores.built_map())
+    write_result(paths["result"], stores.result())
+    return paths
+
+
+@pytest.mark.parametrize(
+    ("kind", "line"),
+    [
+        ("signatures", "3 signatures, 0.0 m, 2 sessions"),
+        ("map", "3 places, 1 edge, 0 merged by closing loops"),
+        ("result", "by filter against a map of 2 places"),
+    ],
+)
+def test_a_stored_file_is_told_on_one_screen(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, line: str
+) -> None:
+    outcome = run(capsys, "info", stored(tmp_path)[kind])
+    lines = outcome.out.splitlines()
+    assert outcome.code == 0
+    assert lines[0].startswith(f"{kind}.h5: {kind}, ")
+    assert lines[0].endswith(" kB, toy, preset default")
+    assert lines[1].startswith("made by fpnav ")
+    assert lines[1].endswith("from drive.mcap")
+    assert line in lines
+    assert lines[-2:] == ["parameters", "  theta = 0.5"]
+
+
+def test_json_of_a_stored_file_holds_the_same_facts(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    paths = stored(tmp_path)
+    outcome = run(capsys, "info", *paths.values(), "--json")
+    signatures, built, result = (json.loads(line) for line in outcome.out.splitlines())
+    assert (signatures["kind"], built["kind"], result["kind"]) == tuple(paths)
+    assert signatures["sources"] == ["drive.mcap"]
+    assert built["places"] == 3
+    assert result["method"] == "filter"
+
+
+def test_an_hdf5_file_of_others_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["a"] = 1
+    outcome = run(capsys, "info", tmp_path / "other.h5")
+    assert outcome.code == 1
+    assert "other.h5" in outcome.err
