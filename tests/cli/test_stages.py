@@ -15,6 +15,8 @@ from pathlib import Path
 import pytest
 from helpers.walks import write_walk
 
+from fpnav.cli.main import COMMANDS
+
 FPNAV = [sys.executable, "-m", "fpnav"]
 FINE = ("--set", "fingerprint.theta=0.25", "--no-loops")
 
@@ -240,29 +242,51 @@ def test_a_killed_extraction_is_resumed_to_the_same_bytes(folder: Path, tmp_path
     assert not kept.exists()
 
 
+KILLED: dict[str, tuple[str, ...]] = {
+    "simulate": (
+        "simulate", "campus", "--route", "tour", "--places", "12", "-j", "2",
+        "--sensors", "panorama,scan", "--set", "panorama.width_px=90",
+        "--set", "panorama.height_px=16",
+    ),
+    "ingest": ("ingest", "map.mcap"),
+    "extract": ("extract", "map.mcap", "-s", "fingerprint", "-j", "2"),
+    "build-map": ("build-map", "map.sig.h5"),
+    "localize": ("localize", "map.h5", "again.mcap"),
+    "recognize": ("recognize", "map.mcap", "again.mcap", "-s", "fingerprint"),
+    "report": ("report", "result.h5"),
+    "export": ("export", "map.h5", "--to", "graphml"),
+    "export mcap": ("export", "result.h5", "--to", "mcap"),
+}  # fmt: skip
+"""Lines that are killed, by name; the output is added."""
+
+WRITES_NOTHING = {"info", "check", "systems"}
+TOO_LONG_TO_KILL = {"reproduce"}
+"""Makes its page and its logs with the writers of report and simulate."""
+
+
+def test_every_command_that_writes_is_killed_in_the_sweep() -> None:
+    swept = {words[0] for words in KILLED.values()}
+    assert swept | WRITES_NOTHING | TOO_LONG_TO_KILL == set(COMMANDS)
+
+
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
-@pytest.mark.parametrize("command", ["ingest", "extract", "build-map", "localize", "report"])
+@pytest.mark.parametrize("name", KILLED)
 def test_killed_at_any_moment_the_old_file_stays_or_the_new_one_is_whole(
-    folder: Path, tmp_path: Path, command: str, number: signal.Signals
+    folder: Path, tmp_path: Path, name: str, number: signal.Signals
 ) -> None:
-    target = tmp_path / ("report" if command == "report" else "target.h5")
-    words = {
-        "ingest": ["ingest", folder / "map.mcap"],
-        "extract": ["extract", folder / "map.mcap", "-s", "fingerprint", "-j", "2"],
-        "build-map": ["build-map", folder / "map.sig.h5"],
-        "localize": ["localize", folder / "map.h5", folder / "again.mcap"],
-        "report": ["report", folder / "result.h5"],
-    }[command]
-    line = [*FPNAV, *map(str, words), "-o", str(target)]
+    target = tmp_path / ("report" if name == "report" else "target")
+    line = [*FPNAV, *KILLED[name], "-o", str(target)]
     began = time.monotonic()
-    subprocess.run(line, check=True, capture_output=True)
+    subprocess.run(line, check=True, capture_output=True, cwd=folder)
     took = time.monotonic() - began
     whole = tree_digest(target)
-    moments = random.Random(str((command, number)))
+    moments = random.Random(str((name, number)))
     for _ in range(6):
-        process = subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        process = subprocess.Popen(
+            line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=folder
+        )
         try:
             process.wait(moments.uniform(0, 1.1 * took))
         except subprocess.TimeoutExpired:
@@ -272,7 +296,7 @@ def test_killed_at_any_moment_the_old_file_stays_or_the_new_one_is_whole(
         assert tree_digest(target) == whole
         if number != signal.SIGKILL:
             assert not list(tmp_path.rglob("*.fptmp"))
-    subprocess.run(line, check=True, capture_output=True)
+    subprocess.run(line, check=True, capture_output=True, cwd=folder)
     assert tree_digest(target) == whole
     assert not list(tmp_path.rglob("*.fptmp"))
 
