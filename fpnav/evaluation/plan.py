@@ -20,12 +20,15 @@ class Plan:
     """Rooms and what is of note between and in them.
 
     ``rooms`` : one (N, 2) polygon each; ``door_rooms`` : pairs of room numbers joined by a listed
-    door, open or not; ``landmarks`` (L, 2): open doors and listed changes that stay.
+    door, open or not; ``landmarks`` (L, 2): open doors and listed changes that stay; ``walls``
+    (W, 2, 2) and ``openings`` (D, 2, 2), where doors stand open in them, from end to end.
     """
 
     rooms: tuple[FloatArray, ...]
     door_rooms: frozenset[tuple[int, int]]
     landmarks: FloatArray
+    walls: FloatArray
+    openings: FloatArray
 
     def room_of(self, points: FloatArray) -> NDArray[np.int64]:
         """Room each point (N, 2) lies in, -1 for none; of overlapping rooms the first."""
@@ -70,6 +73,17 @@ def _plan(world: Any) -> Plan | None:
         marks += [change for change in world["changes"] if change["kind"] not in PASSING]
         joined = frozenset((a, b) for a, b in pairs)
         landmarks = np.array([[mark["x_m"], mark["y_m"]] for mark in marks], dtype=np.float64)
+        walls = np.array(world.get("walls", ()), dtype=np.float64).reshape(-1, 2, 2)
+        openings = [_opening(door) for door in world["doors"] if door["open"]]
     except (KeyError, TypeError, ValueError, AttributeError):
         return None
-    return Plan(rooms, joined, landmarks.reshape(-1, 2))
+    drawn = np.array(openings, dtype=np.float64).reshape(-1, 2, 2)
+    return Plan(rooms, joined, landmarks.reshape(-1, 2), walls, drawn)
+
+
+def _opening(door: Mapping[str, Any]) -> FloatArray:
+    """Ends of a door's opening, across the way through it, (2, 2)."""
+    along, half = float(door["axis_rad"]), float(door["width_m"]) / 2.0
+    across = half * np.array([-np.sin(along), np.cos(along)])
+    middle = np.array([door["x_m"], door["y_m"]], dtype=np.float64)
+    return np.array([middle - across, middle + across])

@@ -25,7 +25,10 @@ def room(name: str, x0: float, y0: float, x1: float, y1: float) -> dict[str, Any
 
 
 def door(x_m: float, spaces: list[str], is_open: bool) -> dict[str, Any]:
-    return {"name": "|".join(spaces), "x_m": x_m, "y_m": 2.0, "open": is_open, "spaces": spaces}
+    return {
+        "name": "|".join(spaces), "x_m": x_m, "y_m": 2.0, "axis_rad": np.pi / 2, "width_m": 0.8,
+        "open": is_open, "spaces": spaces,
+    }  # fmt: skip
 
 
 WORLD: dict[str, Any] = {
@@ -40,6 +43,7 @@ WORLD: dict[str, Any] = {
         {"kind": "colour", "what": "wall", "x_m": 4.0, "y_m": 1.0},
         {"kind": "removed", "what": "bin", "x_m": 7.0, "y_m": 1.0},
     ],
+    "walls": [[0.0, 2.0, 8.0, 2.0], [4.0, 2.0, 4.0, 6.0]],
 }
 # down from the room through its door, then along the corridor
 PATH = [[2, 5 - 0.5 * i, 0] for i in range(9)] + [[2 + 0.5 * i, 1, 0] for i in range(1, 12)]
@@ -101,6 +105,13 @@ def test_closed_doors_and_removed_things_are_no_landmarks() -> None:
     assert plan.door_rooms == {(0, 2), (1, 3)}
 
 
+def test_walls_stand_open_where_their_open_doors_are() -> None:
+    plan = plan_of({"chain": [{"format": "fpnav/map", "chain": [{"worlds": [WORLD]}]}]})
+    assert plan is not None
+    assert plan.walls.tolist() == [[[0, 2], [8, 2]], [[4, 2], [4, 6]]]
+    np.testing.assert_allclose(plan.openings, [[[2.4, 2.0], [1.6, 2.0]]], atol=1e-12)
+
+
 def test_points_lie_in_the_room_around_them() -> None:
     plan = plan_of({"chain": [{"format": "fpnav/map", "chain": [{"worlds": [WORLD]}]}]})
     assert plan is not None
@@ -122,6 +133,7 @@ def test_a_polygon_may_be_hollowed() -> None:
         {**WORLD, "rooms": [{"name": "a", "polygon": [[1, 2, 3]]}]},
         {**WORLD, "doors": [{"spaces": ["nowhere", "west"], "open": True}]},
         {**WORLD, "doors": [{"spaces": ["east"], "open": True, "x_m": 1, "y_m": 1}]},
+        {**WORLD, "walls": [[0.0, 1.0, 2.0]]},
         {**WORLD, "changes": [{"kind": "corner", "x_m": "left", "y_m": 1}]},
         [WORLD],
     ],

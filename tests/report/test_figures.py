@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.results import nowhere, office_run, recognition, revisit_run
 
 from fpnav.report.entry import Entry, entries_of
 from fpnav.report.figures.runs import confusion_table
-from fpnav.report.figures.style import as_png, as_svg, new_figure, shown, styled
+from fpnav.report.figures.style import Drawing, as_png, as_svg, new_figure, shown, styled
 from fpnav.report.figures.table import COMPARISONS, PLOTS
 
 
@@ -43,6 +45,24 @@ def test_a_figure_is_drawn_of_the_results_that_have_it(
         made = {entry.name: PLOTS[name].draw(entry) for entry in entries}
     assert [entry for entry, drawing in made.items() if drawing is not None] == drawn
     assert all(len(drawing.alt) > 20 for drawing in made.values() if drawing is not None)
+
+
+def test_walls_of_a_simulated_world_are_drawn_under_the_run() -> None:
+    world = {"rooms": [], "doors": [], "changes": [], "walls": [[-1, -1, 40, -1], [-1, 9, 40, 9]]}
+    run = office_run("match", step_m=1.0)
+    chain = [{"format": "fpnav/map", "chain": [{"worlds": [world]}]}]
+    walled = replace(run, header={**run.header, "chain": chain})
+    with styled():
+        texts = [
+            legend_of(PLOTS["map"].draw(entry)) for entry in entries_of([("a", run), ("b", walled)])
+        ]
+    assert "walls" not in texts[0]
+    assert "walls" in texts[1]
+
+
+def legend_of(drawing: Drawing | None) -> list[str]:
+    assert drawing is not None
+    return [text.get_text() for text in drawing.figure.legends[0].get_texts()]
 
 
 def test_a_comparison_needs_two_results_that_have_it(entries: list[Entry]) -> None:

@@ -65,8 +65,8 @@ _RC: Any = {
 class Drawing:
     """A finished figure and what it shows in words, for those who cannot see it.
 
-    ``wide`` : it takes the whole width of the page; ``whole`` : on a phone it is shown as a whole,
-    however small, where other wide ones are moved sideways.
+    ``wide`` : it takes the whole width of the page, and is moved sideways on a phone; ``whole`` :
+    it is made smaller there than other wide ones, to be seen nearly as a whole.
     """
 
     figure: Figure

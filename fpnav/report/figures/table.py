@@ -43,9 +43,10 @@ PLOTS: dict[str, Plot] = {
     "map": Plot(
         trajectory.draw,
         "The run from above",
-        "Grey: the path that was mapped or matched against. Each mark is a query at its true "
-        "position: right, wrong, or not localized. Without a map of places, thin lines lead from "
-        "wrong answers (at most 150) to where the robot was thought to be.",
+        "Thick grey: the path that was mapped or matched against; numbered discs: the places found "
+        "on it, joined where the robot went from one to the other. Each mark is a query at its "
+        "true position: right, wrong, or not localized. Without a map of places, thin lines lead "
+        "from wrong answers (at most 150) to where the robot was thought to be.",
     ),
     "matches": Plot(
         runs.matches,

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
+from fpnav.evaluation.plan import plan_of
 from fpnav.report.entry import Entry
 from fpnav.report.figures.axes import drawn_poses, outcome_counts, scatter_outcomes
 from fpnav.report.figures.style import (
@@ -47,6 +48,8 @@ def draw(entry: Entry) -> Drawing | None:
         label="path of the map" if result.view.place_ids.size else "path matched with",
         zorder=1,
     )
+    if by == "truth":
+        _walls(axis, result)
     if not result.view.place_ids.size:
         _wrong_lines(axis, result, queries, references, evaluation.table["outcome"])
     scatter_outcomes(axis, queries[:, 0], queries[:, 1], evaluation.table["outcome"])
@@ -54,7 +57,7 @@ def draw(entry: Entry) -> Drawing | None:
     axis.set_aspect("equal", adjustable="datalim")
     axis.set_xlabel(f"x, m (by {by})")
     axis.set_ylabel("y, m")
-    legend_below(figure, axis, columns=6)
+    legend_below(figure, axis, columns=7)
     places = f"{len(result.view.place_ids)} places, " if result.view.place_ids.size else ""
     return Drawing(
         figure,
@@ -63,6 +66,18 @@ def draw(entry: Entry) -> Drawing | None:
         wide=True,
         whole=True,
     )
+
+
+def _walls(axis: Axes, result: Result) -> None:
+    """Walls of a simulated world, open where its doors are, where the log carried its plan."""
+    plan = plan_of(result.header)
+    if plan is None or not len(plan.walls):
+        return
+    walls = LineCollection(list(plan.walls), colors=MUTED, linewidths=1.0, zorder=0.2)
+    open_doors = LineCollection(list(plan.openings), colors=PAPER, linewidths=2.6, zorder=0.3)
+    for lines in (walls, open_doors):
+        axis.add_collection(lines, autolim=False)
+    axis.plot([], [], color=MUTED, lw=1.0, label="walls")
 
 
 def _height(points: FloatArray) -> float:
