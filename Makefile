@@ -14,7 +14,7 @@ DEMO := $(BUILD)/demo
 .PHONY: help
 help: ## Show this list
 	@awk 'BEGIN {FS = ":.*## "} /^##@/ {printf "\n%s\n", substr($$0, 5)} \
-		/^[a-z-]+:.*## / {printf "  %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+		/^[a-z-]+:.*## / {printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 .PHONY: demo
 demo: $(READY) ## Walk a sample log through every stage; ends with the path of the page
@@ -56,6 +56,14 @@ bench: $(READY) ## Print the figures of README's speed table
 .PHONY: sample-logs
 sample-logs: $(READY) ## Make sample_logs/ anew, byte for byte
 	$(BIN)/python sample_logs/make.py
+
+.PHONY: reproduce-small
+reproduce-small: $(READY) ## Every paper's experiments in one world, shortened, to see that they run
+	$(BIN)/fpnav reproduce tapus --small --seeds 1 -o $(BUILD)/reproduce-small/tapus
+
+.PHONY: reproduce-tapus
+reproduce-tapus: $(READY) ## Tapus et al. in five simulated offices (20 minutes on 2 cores)
+	$(BIN)/fpnav reproduce tapus --jobs 2 -o $(BUILD)/reproduce/tapus
 
 .PHONY: clean
 clean: ## Remove what was built, not the environment

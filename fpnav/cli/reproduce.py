@@ -40,10 +40,18 @@ def _names(ctx: click.Context, parameter: click.Parameter, value: str) -> tuple[
     type=options.FILE,
     help="Folder where logs and signatures are kept [default: DIR/work].",
 )
+@click.option(
+    "--small", is_flag=True, help="Shortened routes: shows that everything runs, not how well."
+)
 @click.option("-o", "--output", type=options.FILE, required=True, help="Folder to write.")
 @options.run_options
 def command(
-    paper: str, seeds: tuple[int, ...], only: tuple[str, ...], work: Path | None, **given: Any
+    paper: str,
+    seeds: tuple[int, ...],
+    only: tuple[str, ...],
+    small: bool,
+    work: Path | None,
+    **given: Any,
 ) -> None:
     """Run the experiments of PAPER in simulated worlds and report them beside its claims.
 
@@ -67,9 +75,9 @@ def command(
         raise UsageError(f"{output / PAGE}: exists and --no-clobber is set")
     chosen = only or tuple(study.experiments)
     with progress(f"reproduce {paper}", len(seeds) * len(chosen)) as advance:
-        workshop = Workshop(work or output / "work", spread)
+        workshop = Workshop(work or output / "work", spread, small)
         findings = conduct(study, workshop, seeds, chosen, advance)
-    write_study(study.heading, study.claims, findings, output)
+    write_study(study.heading, study.claims, findings, output, small=small)
     if not session.as_json:
         click.echo(output / PAGE)
     session.end(

@@ -58,6 +58,19 @@ def ece(name: str, case: Case) -> Metric | Absent:
     return _metric(name, error, used, case)
 
 
+def calibration_error(stated: FloatArray, right: Bools) -> float:
+    """Expected calibration error of stated probabilities (M,) over ten equal bins."""
+    bins = bins_of(stated)
+    gaps = np.bincount(bins, weights=stated - right, minlength=BINS)
+    return float(np.abs(gaps).sum() / max(len(stated), 1))
+
+
+def skill(stated: FloatArray, right: Bools) -> float:
+    """Brier skill of stated probabilities (M,) against always stating the share right."""
+    rate = float(right.mean())
+    return float(1.0 - np.mean((stated - right) ** 2) / max(rate * (1.0 - rate), 1e-12))
+
+
 def bins_of(stated: FloatArray) -> NDArray[np.int64]:
     """Bin 0 .. 9 of each stated probability; 1.0 belongs to the last."""
     return np.minimum((stated * BINS).astype(np.int64), BINS - 1)

@@ -14,6 +14,7 @@ from fpnav.values import FloatArray, Metric
 MISSIONS = 20
 SETTLED = 20
 MISSION_QUERIES = 50
+RECOVERED_M = 3.0
 JUMP_M = 2.0
 """A step of the truth longer than this, and than five usual steps, is a kidnapping."""
 
@@ -72,14 +73,34 @@ def kidnap_recovery(name: str, case: Case) -> Metric | Absent:
     truth = case.result.queries["truth"]
     if np.isnan(truth[:, 0]).all():
         return NO_POSES
+    metres = _case_recoveries(case)
+    if not len(metres):
+        return Absent("nobody is kidnapped in this run")
+    if np.isnan(metres).all():
+        return Absent(f"no kidnapping of {len(metres)} was recovered from")
+    return middle(name, metres, np.ones(len(metres), bool), "m", block=1)
+
+
+def kidnap_recovered(name: str, case: Case) -> Metric | Absent:
+    """Share of kidnappings after which a right decision comes within 3 m of travel."""
+    if missing := map_missing(case):
+        return missing
+    metres = _case_recoveries(case)
+    if not len(metres):
+        return Absent("nobody is kidnapped in this run, or no truth shows it")
+    return share(name, metres <= RECOVERED_M, np.ones(len(metres), bool), block=1)
+
+
+def _case_recoveries(case: Case) -> FloatArray:
+    """Metres to the first right decision after each kidnapping of a run, NaN where none came."""
+    truth = case.result.queries["truth"]
+    if np.isnan(truth[:, 0]).all():
+        return np.zeros(0)
     starts = kidnaps(truth, case.result.queries["session"])
     if not len(starts):
-        return Absent("nobody is kidnapped in this run")
+        return np.zeros(0)
     right = case.within(case.result.decision[:, None], tolerant=True)
-    metres = _recoveries(starts, right, truth)
-    if np.isnan(metres).all():
-        return Absent(f"no kidnapping of {len(starts)} was recovered from")
-    return middle(name, metres, np.ones(len(metres), bool), "m", block=1)
+    return _recoveries(starts, right, truth)
 
 
 def kidnaps(truth: FloatArray, session: NDArray[np.int32]) -> NDArray[np.int64]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,13 +20,15 @@ class Plan:
     """Rooms and what is of note between and in them.
 
     ``rooms`` : one (N, 2) polygon each; ``door_rooms`` : pairs of room numbers joined by a listed
-    door, open or not; ``landmarks`` (L, 2): open doors and listed changes that stay; ``walls``
-    (W, 2, 2) and ``openings`` (D, 2, 2), where doors stand open in them, from end to end.
+    door, open or not; ``landmarks`` (L, 2): open doors and listed changes that stay;
+    ``closed`` (D, 2): doors that were closed; ``walls`` (W, 2, 2) and ``openings`` (D, 2, 2),
+    where doors stand open in them, from end to end.
     """
 
     rooms: tuple[FloatArray, ...]
     door_rooms: frozenset[tuple[int, int]]
     landmarks: FloatArray
+    closed: FloatArray
     walls: FloatArray
     openings: FloatArray
 
@@ -72,13 +74,19 @@ def _plan(world: Any) -> Plan | None:
         marks = [door for door in world["doors"] if door["open"]]
         marks += [change for change in world["changes"] if change["kind"] not in PASSING]
         joined = frozenset((a, b) for a, b in pairs)
-        landmarks = np.array([[mark["x_m"], mark["y_m"]] for mark in marks], dtype=np.float64)
+        landmarks = _points(marks)
+        closed = _points([door for door in world["doors"] if not door["open"]])
         walls = np.array(world.get("walls", ()), dtype=np.float64).reshape(-1, 2, 2)
         openings = [_opening(door) for door in world["doors"] if door["open"]]
     except (KeyError, TypeError, ValueError, AttributeError):
         return None
     drawn = np.array(openings, dtype=np.float64).reshape(-1, 2, 2)
-    return Plan(rooms, joined, landmarks.reshape(-1, 2), walls, drawn)
+    return Plan(rooms, joined, landmarks, closed, walls, drawn)
+
+
+def _points(marks: Sequence[Mapping[str, Any]]) -> FloatArray:
+    found = [[mark["x_m"], mark["y_m"]] for mark in marks]
+    return np.array(found, dtype=np.float64).reshape(-1, 2)
 
 
 def _opening(door: Mapping[str, Any]) -> FloatArray:

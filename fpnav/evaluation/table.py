@@ -8,11 +8,22 @@ from typing import Literal
 from fpnav.evaluation.calibration import brier_skill, ece
 from fpnav.evaluation.loops import loop_precision, loop_recall
 from fpnav.evaluation.measure import Measure
-from fpnav.evaluation.places import kidnap_recovery, mission_success, place_accuracy, places
+from fpnav.evaluation.places import (
+    kidnap_recovered,
+    kidnap_recovery,
+    mission_success,
+    place_accuracy,
+    places,
+)
 from fpnav.evaluation.poses import field_rho, heading_error, position_error
 from fpnav.evaluation.precision import over_curve
 from fpnav.evaluation.ranking import decision_precision, new_place_recall, not_localized, recall_at
-from fpnav.evaluation.topology import node_precision, node_recall, topology_equal
+from fpnav.evaluation.topology import (
+    node_precision,
+    node_recall,
+    nodes_at_closed_doors,
+    topology_equal,
+)
 
 _DC = "; a wrong best match within 3 m and 90 degrees counts neither way"
 _TOLERANT = "; a graph neighbour counts while the query is within 0.5 m of their border"
@@ -186,6 +197,12 @@ METRICS: dict[str, Entry] = {
         "kidnappings recovered from, of all",
         "lower",
     ),
+    "kidnap_recovered_3m": Entry(
+        kidnap_recovered,
+        "Recovered within 3 m",
+        "share of jumps of the robot after which a right decision comes within 3 m of travel",
+        "kidnappings recovered from in time, of all",
+    ),
     "not_localized": Entry(
         not_localized,
         "Decisions withheld",
@@ -240,6 +257,13 @@ METRICS: dict[str, Entry] = {
         "share of listed open doors and changes within 1 m of the mapping path at which a place "
         "starts within 1 m",
         "doors and changes, of those passed",
+    ),
+    "nodes_at_closed_doors": Entry(
+        nodes_at_closed_doors,
+        "Places at closed doors",
+        "places that start within 1 m of a closed door and of nothing else that is listed",
+        "places, of those that start along the way",
+        "lower",
     ),
     "loop_precision": Entry(
         loop_precision,

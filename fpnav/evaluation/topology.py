@@ -68,6 +68,21 @@ def node_recall(name: str, case: Case) -> Metric | Absent:
     return share(name, got, np.ones(len(got), bool), block=1)
 
 
+def nodes_at_closed_doors(name: str, case: Case) -> Metric | Absent:
+    """Number of places that start within 1 m of a closed door, and of nothing else listed."""
+    plan = _plan(case)
+    if isinstance(plan, Absent):
+        return plan
+    starts = _starts(case)
+    caused = [
+        start
+        for start in starts
+        if (_away(plan.closed, start) <= NEAR_M).any()
+        and not (_away(plan.landmarks, start) <= NEAR_M).any()
+    ]
+    return Metric(name, float(len(caused)), len(caused), len(starts))
+
+
 def one_room(plan: Plan, visited: NDArray[np.int64]) -> NDArray[np.int64]:
     """Room number of each space, pieces crossed between without a listed door sharing one; the
     last entry, for -1, is -1."""

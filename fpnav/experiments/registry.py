@@ -9,6 +9,7 @@ from fpnav.errors import UsageError
 from fpnav.experiments.study import Study
 
 STUDIES: dict[str, str] = {
+    "tapus": "fpnav.experiments.tapus:STUDY",
     "giovannangeli": "fpnav.experiments.giovannangeli:STUDY",
 }
 

@@ -1,7 +1,7 @@
-"""Logs and signatures that experiments need: made once, kept and found again by content.
+"""Logs, signatures and maps that experiments need: made once, kept and found again by content.
 
 What a log is made from (world, route, seed, run, rig) and the code that makes it decide its name;
-what signatures are made from (the log's bytes, the system's parameters, the code) theirs.
+what signatures and maps are made from (the log's bytes, the system's parameters, the code) theirs.
 """
 
 from __future__ import annotations
@@ -21,17 +21,21 @@ import msgspec
 from fpnav.errors import FpnavError
 from fpnav.execution.checkpoint import Checkpoints
 from fpnav.execution.spread import Spread
+from fpnav.execution.stages import make_map
 from fpnav.execution.walk import LogOptions, Run, SystemChoice, extract, make_system
 from fpnav.params import NO_TABLES, Tables
 from fpnav.publish import file_digest
 from fpnav.sim.catalogue import Setting, default_rig, overrides_in
 from fpnav.sim.record import Job, record
 from fpnav.sim.rig import make_rig
+from fpnav.store.header import Header
+from fpnav.store.maps import BuiltMap, read_map, write_map
 from fpnav.store.results import read_header
 from fpnav.store.signatures import read_signatures, write_signatures
 
 SIMULATOR = ("sim", "logs", "geometry.py", "values.py")
 EXTRACTION = ("systems", "sensing", "logs", "geometry.py", "values.py")
+BUILDING = (*EXTRACTION, "matching", "mapping", "localization", "topomap", "execution/stages.py")
 
 
 def job_of(
@@ -51,10 +55,14 @@ def job_of(
 
 @dataclass(frozen=True)
 class Workshop:
-    """Where logs and signatures are kept, and who makes them."""
+    """Where logs, signatures and maps are kept, and who makes them.
+
+    ``small`` : experiments shorten their routes, to show that everything runs, not how well.
+    """
 
     folder: Path
     spread: Spread
+    small: bool = False
 
     def log(self, job: Job) -> Path:
         """Log of a run, simulated unless it is there already."""
@@ -82,6 +90,21 @@ class Workshop:
             write_signatures(path, made.header, made.table)
         header = {**read_header(path), "preset": preset, "params": params}
         return Run(header, read_signatures(path, system.RECORD, system.PARTS), system)
+
+    def map(
+        self, log: Path, choice: SystemChoice, *, close_loops: bool = True
+    ) -> tuple[Header, BuiltMap]:
+        """Map of a log with its header, built unless it is there already."""
+        run = self.run(log, choice)
+        key = [file_digest(log), run.system.NAME, run.header["params"], close_loops]
+        path = self._kept("maps", f"{log.stem}-map", [*key, code_digest(BUILDING)], "h5")
+        if not path.exists():
+            header, built = make_map(
+                run, [log], guided=False, close_loops=close_loops, advance=lambda done: None
+            )
+            write_map(path, header, built)
+        header = {**read_header(path), "preset": run.header["preset"]}
+        return header, read_map(path, run.system.RECORD, run.system.PARTS)
 
     def _kept(self, kind: str, name: str, key: Sequence[Any], ending: str) -> Path:
         text = json.dumps(key, sort_keys=True).encode()

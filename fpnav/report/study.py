@@ -86,9 +86,16 @@ class Heading:
 
 
 def write_study(
-    heading: Heading, claims: Sequence[Claim], findings: Sequence[Finding], folder: Path
+    heading: Heading,
+    claims: Sequence[Claim],
+    findings: Sequence[Finding],
+    folder: Path,
+    *,
+    small: bool = False,
 ) -> None:
     """Write report.json, metrics.csv, the figures and index.html, the page last.
+
+    ``small`` : the routes were shortened, which the page says.
 
     Raises
     ------
@@ -103,7 +110,7 @@ def write_study(
     publish_bytes(folder / "metrics.csv", metrics_sheet(entries))
     publish_bytes(folder / "report.json", as_json(document(entries)))
     context = study_context(heading, claims, findings, pictures)
-    publish_bytes(folder / PAGE, render(context, TEMPLATE))
+    publish_bytes(folder / PAGE, render({**context, "small": small}, TEMPLATE))
 
 
 def study_context(
