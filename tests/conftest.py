@@ -27,8 +27,9 @@ settings.load_profile("fpnav")
 
 @pytest.fixture(scope="session")
 def data() -> Path:
-    """Folder of real recordings, from FPNAV_DATA; tests that need it skip where it is absent."""
-    folder = Path(os.environ.get("FPNAV_DATA", ROOT.parent / "shared" / "data"))
+    """Folder of real recordings, from FPNAV_DATA (relative to the checkout, as make has it); tests
+    that need it skip where it is absent."""
+    folder = (ROOT / os.environ.get("FPNAV_DATA", "../shared/data")).resolve()
     if not folder.is_dir():
         pytest.skip(f"no recordings: FPNAV_DATA or {folder.name}/ is absent")
     return folder

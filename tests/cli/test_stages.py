@@ -287,6 +287,8 @@ def test_killed_at_any_moment_the_old_file_stays_or_the_new_one_is_whole(
         process = subprocess.Popen(
             line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=folder
         )
+        while not is_up(process):
+            time.sleep(0.001)
         try:
             process.wait(moments.uniform(0, 1.1 * took))
         except subprocess.TimeoutExpired:
@@ -299,6 +301,17 @@ def test_killed_at_any_moment_the_old_file_stays_or_the_new_one_is_whole(
     subprocess.run(line, check=True, capture_output=True, cwd=folder)
     assert tree_digest(target) == whole
     assert not list(tmp_path.rglob("*.fptmp"))
+
+
+def is_up(process: subprocess.Popen[bytes]) -> bool:
+    """Whether fpnav, not only the interpreter that starts it, answers to signals: it catches
+    SIGTERM, which Python itself does not."""
+    if process.poll() is not None:
+        return True
+    for line in Path(f"/proc/{process.pid}/status").read_text(encoding="ascii").splitlines():
+        if line.startswith("SigCgt:"):
+            return bool(int(line.split()[1], 16) >> (signal.SIGTERM - 1) & 1)
+    return False
 
 
 def tree_digest(target: Path) -> dict[str, str]:
