@@ -17,6 +17,7 @@ import re
 import shutil
 import signal
 import stat
+import tempfile
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -110,6 +111,16 @@ def file_digest(path: Path) -> str:
     """sha256 of a file's bytes, as hex."""
     with open(path, "rb") as handle:
         return hashlib.file_digest(handle, "sha256").hexdigest()
+
+
+@contextlib.contextmanager
+def scratch_copy(path: Path) -> Iterator[Any]:
+    """A named temporary copy of a file to change at will; gone when the block ends."""
+    with tempfile.NamedTemporaryFile(prefix="fpnav-", suffix=path.suffix) as copy:
+        with open(path, "rb") as handle:
+            shutil.copyfileobj(handle, copy)
+        copy.seek(0)
+        yield copy
 
 
 @contextlib.contextmanager

@@ -37,26 +37,29 @@ def command(
     fpnav check drive.mcap --json
     """
     from fpnav.logs.checks.registry import check_log
-    from fpnav.logs.frames import open_log
     from fpnav.logs.ledger import Budget
+    from fpnav.logs.views import views
 
     budget = Budget(max_loss, allow_truncated=allow_truncated)
     levels: set[str] = set()
     for path in files:
-        with open_log(path, topics, max_loss=1.0, allow_truncated=True) as log:
-            findings = check_log(log, budget)
-        levels |= {finding.level for finding in findings}
-        for line in _lines(path, findings, as_json):
-            click.echo(line)
+        with views(path) as found:
+            for view in found:
+                with view.open(topics) as log:
+                    findings = check_log(log, budget)
+                levels |= {finding.level for finding in findings}
+                for line in _lines(path, view.name, findings, as_json):
+                    click.echo(line)
     return 3 if "loss" in levels else int("fail" in levels)
 
 
-def _lines(path: Path, findings: list[Any], as_json: bool) -> list[str]:
+def _lines(path: Path, name: str, findings: list[Any], as_json: bool) -> list[str]:
     if as_json:
-        facts = {"name": path.name, "findings": [asdict(finding) for finding in findings]}
+        facts = {"name": name, "findings": [asdict(finding) for finding in findings]}
         return [json.dumps(facts, sort_keys=True, allow_nan=False)]
     rows = [(_WORDS[f.level], f.check, f.code, _sentence(f)) for f in findings]
-    return [f"{path}:", *(f"  {line}" for line in table(rows))]
+    shown = path if path.name == name else path / name
+    return [f"{shown}:", *(f"  {line}" for line in table(rows))]
 
 
 def _sentence(finding: Any) -> str:

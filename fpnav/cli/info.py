@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,7 @@ def command(files: tuple[Path, ...], topics: dict[str, str], as_json: bool) -> N
     fpnav info drive.mcap
     fpnav info map.h5 --json
     """
-    for number, path in enumerate(files):
-        facts = _facts(path, topics)
+    for number, facts in enumerate(facts for path in files for facts in _facts(path, topics)):
         if as_json:
             click.echo(json.dumps(facts, sort_keys=True, allow_nan=False))
             continue
@@ -36,17 +36,17 @@ def command(files: tuple[Path, ...], topics: dict[str, str], as_json: bool) -> N
             click.echo(line)
 
 
-def _facts(path: Path, topics: dict[str, str]) -> dict[str, Any]:
-    """Facts of a stored file, or of a log with the systems that can run on it."""
+def _facts(path: Path, topics: dict[str, str]) -> Iterator[dict[str, Any]]:
+    """Facts of a stored file, or of the logs of a recording with the systems that can run."""
     from fpnav.execution.walk import is_store
-    from fpnav.logs.describe import describe_log
+    from fpnav.logs.describe import describe_logs
     from fpnav.store.describe import describe_store
 
     if not path.is_dir() and is_store(path):
-        return describe_store(path)
-    facts = describe_log(path, topics)
-    facts["systems"] = systems_of(facts["roles"])
-    return facts
+        yield describe_store(path)
+        return
+    for facts in describe_logs(path, topics):
+        yield {**facts, "systems": systems_of(facts["roles"])}
 
 
 def systems_of(roles: dict[str, Any]) -> dict[str, list[list[str]]]:
@@ -63,9 +63,12 @@ def log_lines(facts: dict[str, Any]) -> list[str]:
     lines = [
         f"{visible(facts['name'])}: {facts['format']}, {size(facts['bytes'])}, "
         f"{facts['duration_s']:.1f} s, {facts['integrity']}",
-        f"written by {visible(facts['library']) or 'unknown'}, profile "
-        f"{visible(facts['profile']) or 'none'}, {_compression(facts)}",
     ]
+    if "library" in facts:
+        lines.append(
+            f"written by {visible(facts['library']) or 'unknown'}, profile "
+            f"{visible(facts['profile']) or 'none'}, {_compression(facts)}"
+        )
     if facts["damage"]:
         lines.append(f"damage: {visible(facts['damage'])}")
     lines += ["", *_topic_table(facts), "", *_walk(facts), *_systems(facts["systems"])]
@@ -80,7 +83,7 @@ def _compression(facts: dict[str, Any]) -> str:
 
 
 def _topic_table(facts: dict[str, Any]) -> list[str]:
-    rows: list[tuple[str, ...]] = [("role", "topic", "type", "messages", "Hz", "gaps")]
+    rows: list[tuple[str, ...]] = [("role", "topic", "type", "messages", "Hz", "gaps", "")]
     rows += [_topic_row(topic) for topic in _rings_as_one(facts["topics"])]
     return table(rows)
 
@@ -100,12 +103,13 @@ def _topic_row(topic: dict[str, Any]) -> tuple[str, ...]:
     lost = f" ({topic['lost']} lost)" if topic["lost"] else ""
     pauses = f"{topic['gaps']}, longest {topic['longest_gap_s']:.1f} s" if topic["gaps"] else ""
     return (
-        topic["role"] or visible(topic["problem"]) or "-",
+        topic["role"] or "-",
         visible(topic["topic"]),
         visible(topic["type"]),
         f"{topic['messages']}{lost}",
         "" if topic["hz"] is None else f"{topic['hz']:.4g}",
         pauses,
+        visible(topic["problem"]),
     )
 
 
@@ -118,6 +122,9 @@ def _walk(facts: dict[str, Any]) -> list[str]:
     for role, names in facts["choices"].items():
         lines.append(f"{role} is {visible(names[0])}; others:")
         lines += [f"  --topic {role}={visible(name)}" for name in names[1:]]
+    for role, names in facts["hints"].items():
+        lines.append(f"no {role}; if one of these is:")
+        lines += [f"  --topic {role}={visible(name)}" for name in names]
     return lines
 
 

@@ -82,6 +82,8 @@ def command(sources: tuple[Path, ...], format_name: str | None, **given: Any) ->
     total = sum(done.messages.values())
     roles = ", ".join(f"{role} {count}" for role, count in done.messages.items() if ":" not in role)
     losses = _losses(done.ledger)
+    for note in [] if session.quiet else _notes(done.ledger):
+        click.echo(note, err=True)
     session.end(
         f"{total} messages from {done.format}: {roles}{losses}",
         {"format": done.format, "messages": done.messages, "ledger": done.ledger.as_dict()},
@@ -116,6 +118,17 @@ def _number(value: float | None) -> float:
 
 def _radians(degrees: float | None) -> float:
     return math.nan if degrees is None else math.radians(degrees)
+
+
+def _notes(ledger: Any) -> list[str]:
+    """What is worth knowing of the reading, a line for each code."""
+    from fpnav.cli.plain import visible
+
+    shown = []
+    for code, remark in sorted(ledger.remarks.items()):
+        times = f" ({ledger.notes[code]} times)" if ledger.notes[code] > 1 else ""
+        shown.append(f"note {code}: {visible(remark)}{times}")
+    return shown
 
 
 def _losses(ledger: Any) -> str:

@@ -3,39 +3,56 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from fpnav.logs import roles, timing
-from fpnav.logs.frames import Log, open_log
+from fpnav.logs.frames import Log
 from fpnav.logs.topics import Topic
+from fpnav.logs.views import views
 
 
-def describe_log(path: Path, topics: dict[str, str] | None = None) -> dict[str, Any]:
-    """Facts of an MCAP log; damage is reported, not raised.
+def describe_logs(path: Path, topics: Mapping[str, str]) -> Iterator[dict[str, Any]]:
+    """Facts of a recording, of each of its files; damage is reported, not raised.
 
     Raises
     ------
     LogError
-        Not an MCAP log at all.
+        No recording at all.
     """
-    with open_log(path, topics, max_loss=1.0, allow_truncated=True) as log:
-        return {"kind": "log", **_file(log), **_contents(log), "ledger": log.ledger.as_dict()}
+    with views(path) as found:
+        for view in found:
+            with view.open(topics) as log:
+                yield {
+                    "kind": "log",
+                    **_file(log),
+                    **(_written(log) if not view.format else {"format": view.format}),
+                    **_contents(log),
+                    "ledger": log.ledger.as_dict(),
+                }
+
+
+def _written(log: Log) -> dict[str, Any]:
+    """How the file was written."""
+    file = log.file.contents
+    return {
+        "format": file.kind,
+        "profile": file.profile,
+        "library": file.library,
+        "blocks": len(file.blocks),
+        "compression": dict(sorted(file.compressions.items())),
+    }
 
 
 def _file(log: Log) -> dict[str, Any]:
     file = log.file.contents
     return {
         "name": log.name,
-        "format": file.kind,
         "bytes": log.size,
         "sha256": log.sha256,
         "integrity": log.integrity,
         "damage": file.facts.damage,
-        "profile": file.profile,
-        "library": file.library,
-        "blocks": len(file.blocks),
-        "compression": dict(sorted(file.compressions.items())),
         "attachments": [
             {"name": facts.name, "media_type": facts.media_type, "bytes": facts.size}
             for facts in file.attachments
@@ -55,6 +72,7 @@ def _contents(log: Log) -> dict[str, Any]:
         "topics": listed,
         "roles": {role: list(facts.topics) for role, facts in log.roles.items()},
         "choices": _choices(log),
+        "hints": _hints(log),
         "primary": log.primary,
         "travelled_from": log.travelled_from,
         "travelled_m": _travelled(log),
@@ -87,10 +105,20 @@ def _choices(log: Log) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for role in roles.RULES:
         names = roles.candidates(log.topics, role)
-        if role != "sonar" and len(names) > 1:
-            chosen = log.roles[role].topics[0] if role in log.roles else ""
+        if role != "sonar" and role in log.roles and len(names) > 1:
+            chosen = log.roles[role].topics[0]
             found[role] = sorted(names, key=lambda name: name != chosen)
     return found
+
+
+def _hints(log: Log) -> dict[str, list[str]]:
+    """Topics that may play a role nothing plays, where only the user can say so."""
+    absent = [role for role in ("odometry", "truth") if role not in log.roles]
+    absent += [] if log.primary else list(roles.SENSORS)
+    taken = set(roles.places({role: facts.topics for role, facts in log.roles.items()}))
+    could = {role: roles.by_type(log.topics, role) for role in absent}
+    free = {role: [n for n in names if n not in taken] for role, names in could.items()}
+    return {role: names for role, names in free.items() if names}
 
 
 def _travelled(log: Log) -> float | None:

@@ -104,8 +104,12 @@ def _one_transform(message: Any) -> Shape:
 
 
 def _transform(message: Any) -> Shape:
+    stamp = stamp_of(message) if hasattr(message, "timestamp") else 0
+    seconds, nanoseconds = divmod(stamp, 10**9)
     return Shape(
-        header=Shape(frame_id=str(message.parent_frame_id)),
+        header=Shape(
+            stamp=Shape(sec=seconds, nanosec=nanoseconds), frame_id=str(message.parent_frame_id)
+        ),
         child_frame_id=str(message.child_frame_id),
         transform=Shape(translation=message.translation, rotation=message.rotation),
     )

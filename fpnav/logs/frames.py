@@ -283,6 +283,7 @@ def open_log(
         found = index_log(file, ledger, digest=digest)
         chosen = roles.assign(found, topics or {})
         roles.count_topics(found, chosen, ledger)
+        roles.note_unusable(found, ledger)
         streams = joins.build_streams(found, chosen, ledger)
         ledger.settle(budget)
         return Log(

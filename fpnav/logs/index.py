@@ -21,6 +21,7 @@ from fpnav.logs.container import Damaged
 from fpnav.logs.contents import Container, Delivery
 from fpnav.logs.encodings import codec_for
 from fpnav.logs.ledger import Ledger
+from fpnav.logs.moving import pose_topics
 from fpnav.logs.topics import INDEX_DTYPE, SPLIT_BY_FRAME, Growing, Topic
 from fpnav.values import FloatArray
 
@@ -51,7 +52,8 @@ def index_log(file: Container, ledger: Ledger, *, digest: bool = True) -> dict[s
             else:
                 _take(target, delivery, chosen)
     _account(file, ledger, growing)
-    return {topic.name: topic for grown in growing.values() for topic in grown.finish()}
+    found = {topic.name: topic for grown in growing.values() for topic in grown.finish()}
+    return {**found, **pose_topics(file, found)}
 
 
 def _topic_of(

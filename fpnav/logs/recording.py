@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fpnav.errors import LogError
+from fpnav.errors import FpnavError, LogError, LossError
 from fpnav.logs import roles
 from fpnav.logs.container import Damaged
 from fpnav.logs.contents import Container
@@ -21,6 +21,7 @@ from fpnav.logs.payloads import Loader
 from fpnav.logs.sources.base import WORLD, Item, SourceOptions
 from fpnav.logs.topics import Recent, Topic
 from fpnav.logs.transforms import transform_tree
+from fpnav.values import PRIMARY_ROLES
 
 
 def read_recording(
@@ -71,16 +72,13 @@ class Recording:
         self.chosen = roles.assign(merged, options.topics, role=options.role)
         for topics in found:
             roles.count_topics(topics, self.chosen, ledger)
+            roles.note_unusable(topics, ledger)
 
     def items(self) -> Iterator[Item]:
         """Items in order of log time; what cannot be decoded is counted and left out."""
         places = roles.places(self.chosen)
-        if not places:
-            held = sorted({t.type_name for topics in self.found for t in topics.values()} - {""})
-            raise LogError(
-                f"{self.files[0].path.name}: E206 no topic of a type that plays a role; the log "
-                f"holds {', '.join(held) or 'no messages'}"
-            )
+        if not any(role in self.chosen for role in PRIMARY_ROLES):
+            raise self._nothing_to_see()
         converter = Converter(places, transform_tree(self.found), self._infos(), self.options)
         loaders = [Loader(file) for file in self.files]
         names = list(places)
@@ -103,6 +101,26 @@ class Recording:
                 self.ledger.note(damage.code, f"{name}: {damage.reason}")
         for frame in sorted(converter.unplaced):
             self.ledger.note("E503", f"frame {frame!r} has no transform to the robot's base")
+
+    def _nothing_to_see(self) -> FpnavError:
+        """Why there is nothing a frame could stand on: damage, names, or other types."""
+        name = self.files[0].path.name
+        damaged = [file for file in self.ledger.inputs if file.integrity == "damaged"]
+        if damaged:
+            codes = ", ".join(c for c in self.ledger.notes if c.startswith(("E1", "E2")))
+            reason = damaged[0].damage or f"{codes} damaged chunks"
+            return LossError(f"{damaged[0].name}: {reason}; nothing is left to stand frames on")
+        merged = roles.merge(self.found)
+        could = [f"--topic {r}={t}" for r in roles.SENSORS for t in roles.by_type(merged, r)]
+        held = sorted({topic.type_name for topic in merged.values()} - {""})
+        what = (
+            "no topic of a type that plays a role"
+            if not self.chosen
+            else ("no topic a frame can stand on (images, scans or sonar)")
+        )
+        hint = f"; if it is what you want, name it: {could[0]}" if could else ""
+        return LogError(f"{name}: E206 {what}; the log holds "
+                        f"{', '.join(held) or 'no messages'}{hint}")  # fmt: skip
 
     def _order(self, names: list[str]) -> NDArray[Any]:
         """Every message of the chosen topics by (log time, file, place in the file)."""

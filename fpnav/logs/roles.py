@@ -9,7 +9,7 @@ from typing import Any
 
 from fpnav.errors import LogError, UsageError
 from fpnav.logs import messages
-from fpnav.logs.ledger import Ledger
+from fpnav.logs.ledger import BY_OPTION, Ledger
 from fpnav.logs.topics import Topic
 from fpnav.values import ROLES
 
@@ -26,14 +26,16 @@ _OFFSET = r"offset|(^|[/_])right($|[/_])"
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """Types that can play a role; names that are preferred, needed, or excluded.
+    """Types that can play a role; names that are preferred, avoided, needed, or excluded.
 
-    ``by_name`` : types that can play it too, but only where the name is one that is preferred.
+    ``prefers`` : the better names first. ``by_name`` : types that can play it too, but only where
+    the name is one that is preferred.
     """
 
     types: tuple[str, ...]
     standard: str
-    prefers: str = ""
+    prefers: tuple[str, ...] = ()
+    avoids: str = ""
     needs: str = ""
     excludes: str = ""
     by_name: tuple[str, ...] = ()
@@ -46,24 +48,28 @@ RULES: dict[str, Rule] = {
     "camera": Rule(
         _IMAGES,
         "/camera",
-        prefers="front|left|color|rgb|image",
-        excludes=f"{_DEPTH}|{_PANORAMA}|{_OMNI}|{_OFFSET}",
+        prefers=("front", "left", "color|rgb", "image"),
+        avoids="right|rear|back",
+        excludes=f"{_DEPTH}|{_PANORAMA}|{_OMNI}|offset",
     ),
-    "scan": Rule((messages.LASER_SCAN,), "/scan", prefers="scan|front|base"),
+    "scan": Rule((messages.LASER_SCAN,), "/scan", prefers=("scan|front|base",)),
     "sonar": Rule((messages.RANGE,), "/sonar/0", excludes="cliff|infra|(^|/)ir"),
     "odometry": Rule(
         (messages.ODOMETRY,),
         "/odom",
-        prefers="odom|wheel",
+        prefers=("odom|wheel",),
         excludes=f"{_TRUE}|imu|gps",
         by_name=(messages.POSE, messages.POSE_COVARIANCE),
     ),
     "truth": Rule(_POSES, "/truth", needs=_TRUE),
-    "heading": Rule((messages.IMU,), "/compass", prefers="compass|heading|mag"),
+    "heading": Rule((messages.IMU,), "/compass", prefers=("compass|heading|mag",)),
     "pan": Rule((messages.JOINT_STATE,), "/pan"),
     "label": Rule((messages.STRING,), "/label", needs="label|room|place"),
 }
 
+
+SENSORS = ("camera", "scan", "sonar")
+"""Roles a user is offered for a topic whose name says nothing."""
 
 Chosen = dict[str, tuple[str, ...]]
 """Role -> its topics; a sonar ring has several."""
@@ -91,7 +97,26 @@ def assign(topics: Mapping[str, Topic], wanted: Mapping[str, str], role: str = "
         names = _wanted(topics, name, wanted[name]) if name in wanted else _found(topics, name)
         if names:
             chosen[name] = names
+    _pair(chosen, candidates(topics, "camera_offset"), wanted)
     return _renamed(chosen, role, wanted) if role else chosen
+
+
+def _pair(chosen: Chosen, offsets: list[str], wanted: Mapping[str, str]) -> None:
+    """The offset camera is the one that belongs to the camera; the camera itself is none.
+
+    Where several could be it, theirs is the name with ``right`` for the camera's ``left``.
+    """
+    camera = chosen.get("camera", ("",))[0]
+    if "camera_offset" in wanted or "camera_offset" not in chosen:
+        return
+    others = [name for name in offsets if name != camera]
+    pairs = [name for name in others if name.lower().replace("right", "left") == camera.lower()]
+    standard = [name for name in others if name == RULES["camera_offset"].standard]
+    found = standard or pairs or (others if len(others) == 1 else [])
+    if found:
+        chosen["camera_offset"] = (found[0],)
+    else:
+        del chosen["camera_offset"]
 
 
 def _renamed(chosen: Chosen, role: str, wanted: Mapping[str, str]) -> Chosen:
@@ -119,9 +144,16 @@ def _found(topics: Mapping[str, Topic], role: str) -> tuple[str, ...]:
     return tuple(names[:1])
 
 
+def by_type(topics: Mapping[str, Topic], role: str) -> list[str]:
+    """Topics a user may name for a role, though their names do not suggest it."""
+    rule = RULES[role]
+    fitting = (t for t in topics.values() if t.type_name in rule.types + rule.by_name)
+    return sorted(topic.name for topic in fitting if len(topic.rows) and not topic.problem)
+
+
 def _fits(rule: Rule, name: str, type_name: str) -> bool:
     """Whether a topic can play a role by its type and its name."""
-    if type_name in rule.by_name and not re.search(rule.prefers, name.lower()):
+    if type_name in rule.by_name and not _preference(rule, name):
         return False
     if type_name not in rule.types + rule.by_name:
         return False
@@ -132,9 +164,16 @@ def _fits(rule: Rule, name: str, type_name: str) -> bool:
     return not rule.needs or re.search(rule.needs, name.lower()) is not None
 
 
-def _rank(rule: Rule, topic: Topic) -> tuple[bool, bool, int, str]:
-    preferred = bool(rule.prefers and re.search(rule.prefers, topic.name.lower()))
-    return topic.name != rule.standard, not preferred, -len(topic.rows), topic.name
+def _rank(rule: Rule, topic: Topic) -> tuple[bool, bool, int, int, str]:
+    avoided = bool(rule.avoids and re.search(rule.avoids, topic.name.lower()))
+    preference = _preference(rule, topic.name)
+    return topic.name != rule.standard, avoided, -preference, -len(topic.rows), topic.name
+
+
+def _preference(rule: Rule, name: str) -> int:
+    """How good a name is for a role: 0 is not one of those preferred."""
+    places = (i for i, words in enumerate(rule.prefers) if re.search(words, name.lower()))
+    return len(rule.prefers) - next(places, len(rule.prefers))
 
 
 def _ring(names: Iterable[str]) -> tuple[str, ...]:
@@ -194,6 +233,19 @@ def count_topics(topics: Mapping[str, Topic], chosen: Chosen, ledger: Ledger) ->
         if name not in needed and (topic.problem or not helps):
             topic.count.unuse()
         ledger.add(name, topic.count)
+
+
+def note_unusable(topics: Mapping[str, Topic], ledger: Ledger) -> None:
+    """Note topics whose type plays a role, and of which no message can be used."""
+    types = {name for rule in RULES.values() for name in rule.types + rule.by_name}
+    for topic in topics.values():
+        code, _, reason = topic.problem.partition(" ")
+        if code.startswith("E") and (topic.type_name in types or code in ("E118", "E119")):
+            ledger.note(code, f"{topic.name}: {reason}")
+        elif topic.type_name in types and not len(topic.rows) and topic.count.lost:
+            codes = ", ".join(sorted(set(topic.count.skipped) - BY_OPTION)) or "unread"
+            topic.problem = f"{codes} none of {topic.count.in_file} messages can be used"
+            ledger.note(codes.partition(",")[0], f"{topic.name}: no message can be used")
 
 
 def camera_info(topics: Mapping[str, Topic], image_topic: str) -> Any:

@@ -81,10 +81,23 @@ def head_of(path: Path, size: int = 4096) -> bytes:
     try:
         with open_packed(path) as handle:
             return handle.read(size)
-    except _BROKEN:
-        return b""
+    except _BROKEN as error:
+        return _whole_head(path, size, error)
     except OSError as error:
         raise LogError(f"{path}: cannot be opened: {error.strerror or error}") from error
+
+
+def _whole_head(path: Path, size: int, damage: Exception) -> bytes:
+    """First bytes of a gzip file that is damaged within them, as far as they can be unpacked."""
+    with open(path, "rb") as handle:
+        stored = handle.read(size)
+    try:
+        found = zlib.decompressobj(wbits=31).decompress(stored, size)
+    except zlib.error:
+        found = b""
+    if not found:
+        raise LogError(f"{path}: E102 packed file is cut off or damaged: {damage}")
+    return found
 
 
 def text_facts(path: Path) -> InputFile:

@@ -36,6 +36,11 @@ def clean_frame(name: str) -> str:
     return name.lstrip("/")
 
 
+def is_robot(frame: str) -> bool:
+    """Whether a frame is the robot's base, of whatever namespace."""
+    return frame.rsplit("/", 1)[-1] in ROBOT_FRAMES
+
+
 class TransformTree:
     """Fixed transforms by child frame; the first of a child counts."""
 
@@ -70,7 +75,7 @@ class TransformTree:
         """(4, 4) transform from a frame to the robot's base."""
         found: FloatArray = np.eye(4)
         for _ in range(_DEPTH):
-            if frame.rsplit("/", 1)[-1] in ROBOT_FRAMES:
+            if is_robot(frame):
                 return found
             if frame not in self._parents:
                 return None

@@ -282,3 +282,27 @@ def test_other_sqlite_files_are_refused(tmp_path: Path) -> None:
     (tmp_path / "empty.db3").write_bytes(b"")
     with pytest.raises(LogError, match="E100 not a SQLite file"):
         Db3File(tmp_path / "empty.db3")
+
+
+def test_a_db3_shorter_than_its_header_says_is_damaged(tmp_path: Path) -> None:
+    path = next(write_db3(tmp_path / "drive").glob("*.db3"))
+    rewrite_rows(path, "CREATE TABLE filler AS SELECT zeroblob(100000)")
+    path.write_bytes(path.read_bytes()[:-4096])
+    with pytest.raises(LossError, match="E102 the database truncated, 4,096 bytes are missing"):
+        open_log(path)
+    with open_log(path, allow_truncated=True) as log:
+        check_drive(log)
+
+
+@pytest.mark.parametrize(
+    "change",
+    ["topic_id = NULL", "topic_id = 'scan'", "timestamp = NULL", "timestamp = -5"],
+)
+def test_cells_that_cannot_be_are_a_loss(change: str, tmp_path: Path) -> None:
+    path = next(write_db3(tmp_path / "drive").glob("*.db3"))
+    rewrite_rows(path, "CREATE TABLE copies AS SELECT * FROM messages")
+    rewrite_rows(path, "DROP TABLE messages")
+    rewrite_rows(path, "ALTER TABLE copies RENAME TO messages")
+    rewrite_rows(path, f"UPDATE messages SET {change} WHERE id = 5")
+    with pytest.raises(LossError, match=r"E102 the database has a message 5 of topic|1 E204"):
+        open_log(path)

@@ -140,6 +140,18 @@ def test_a10_lost_chunks_are_counted_with_their_topics(target: Path) -> None:
     assert 1.7 not in np.round(saved, 3)
 
 
+def test_a10_a_log_whose_only_chunk_is_lost_is_a_loss_not_a_log_without_topics(
+    target: Path,
+) -> None:
+    data = rewritten(log_bytes(drive, "none"), compression=compression_none())
+    at = data.index(struct.pack("<f", 1.7))
+    target.write_bytes(data[:at] + b"\xff" + data[at + 1 :])
+    for budget in (Budget(), Budget(1.0, allow_truncated=True)):
+        with pytest.raises(LossError, match=r"E110 .*nothing is left to stand frames on"):
+            ingest([target], target.with_suffix(".out"), budget=budget)
+    assert not target.with_suffix(".out").exists()
+
+
 def compression_none() -> object:
     from mcap.writer import CompressionType
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fpnav.logs import roles
+from fpnav.logs import messages, roles
 from fpnav.logs.checks.finding import Finding, fail, loss, note, ok, warn
 from fpnav.logs.frames import Log
 from fpnav.logs.ledger import BY_OPTION, Budget
 from fpnav.values import PRIMARY_ROLES
+
+_EXTRA = (messages.IMU, messages.JOINT_STATE)
+"""Types that most recordings have without what a role needs of them."""
 
 
 def container(log: Log, budget: Budget) -> Iterator[Finding]:
@@ -67,7 +70,9 @@ def decodable(log: Log, budget: Budget) -> Iterator[Finding]:
     bad = [t for t in spoiled if t.type_name in known or t.problem.startswith(("E118", "E119"))]
     for topic in sorted(bad, key=lambda topic: topic.name):
         code, _, reason = topic.problem.partition(" ")
-        yield warn("decodable", code, f"{topic.name}: {reason}", "record it as a standard type")
+        found = note if topic.type_name in _EXTRA else warn
+        fix = "record it as a standard type" if code.startswith("E30") else ""
+        yield found("decodable", code, f"{topic.name}: {reason}", fix)
     unused = sum(topic.problem.startswith("not used") for topic in spoiled)
     if not bad:
         others = f"; {unused} of other types are left alone" if unused else ""

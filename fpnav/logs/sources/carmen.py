@@ -25,6 +25,9 @@ from fpnav.values import Pose2
 SUMMARY = "CARMEN log, plain or .gz"
 
 _SIGNS = (*WORDS, "PARAM", "SYNC", "RLASER", "RAWLASER1", "NEFF")
+_SILENT = ("#", "PARAM", "SYNC", "NEFF")
+"""Lines that hold no message."""
+
 _SICK_FULL_M = (8.192, 16.384, 32.768)
 _STEP_NS = 100_000_000
 
@@ -71,6 +74,8 @@ def _items(path: Path, survey: Survey, as_truth: bool, ledger: Ledger) -> Iterat
     scans = 0
     for number, text in lines(path, ledger.inputs[-1]):
         if not text.startswith(WORDS):
+            if not text.startswith(_SILENT) and text:
+                ledger.note("lines", f"line {number}: {text.split(' ', 1)[0]} is not read")
             continue
         word = text.split(" ", 1)[0]
         count = ledger.topic(word)

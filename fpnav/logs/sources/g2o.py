@@ -23,6 +23,12 @@ from fpnav.values import Pose2
 SUMMARY = "g2o with ROBOTLASER1 lines, plain, .gz or .zip"
 
 _SIGNS = (b"VERTEX_SE2", b"EDGE_SE2", b"VERTEX_SE3", b"FIX ", b"PARAMS_")
+_SILENT = ("#", "FIX", "PARAMS_")
+"""Lines that hold no measurement."""
+
+_NONE, _BROKEN_ID = -(2**63), -(2**63) + 1
+"""Instead of a vertex's id: scans before any vertex, and behind one that cannot be read."""
+
 _VERTEX, _EDGE, _SCAN = "VERTEX_SE2 ", "EDGE_SE2 ", "ROBOTLASER1 "
 
 
@@ -64,6 +70,8 @@ def _graph(path: Path, facts: InputFile, ledger: Ledger) -> Graph:
             except (ValueError, IndexError) as error:
                 ledger.topic(text.split(None, 1)[0]).skipped["E305"] += 1
                 ledger.note("E305", f"{path.name} line {number}: {error}")
+        elif text and not text.startswith(_SILENT):
+            ledger.note("lines", f"line {number}: {text.split(' ', 1)[0]} is not read")
     return graph
 
 
@@ -100,10 +108,10 @@ def _items(
     truth_role = options.poses != "odometry"
     odometry = _odometry(graph, ledger) if truth_role else {}
     count = ledger.topic("ROBOTLASER1")
-    vertex: int | None = None
+    vertex = _NONE
     for number, text in lines(path, facts):
-        if text.startswith(_VERTEX) and (word := text.split()[1]).lstrip("-").isdigit():
-            vertex = int(word)
+        if text.startswith(_VERTEX):
+            vertex = _id(text)
         if not text.startswith(_SCAN):
             continue
         try:
@@ -113,11 +121,18 @@ def _items(
             ledger.note("E305", f"{path.name} line {number}: {error}")
             continue
         count.used += 1
-        pose = graph.vertices.get(vertex, line.robot) if vertex is not None else line.robot
+        pose = graph.vertices.get(vertex, line.robot if vertex == _NONE else None)
         if truth_role:
-            yield Item("truth", line.stamp_ns, pose)
+            if pose is not None:
+                yield Item("truth", line.stamp_ns, pose)
             if vertex in odometry:
                 yield Item("odometry", line.stamp_ns, Motion(odometry[vertex]))
-        else:
+        elif pose is not None:
             yield Item("odometry", line.stamp_ns, Motion(pose))
         yield Item("scan", line.stamp_ns, line.scan)
+
+
+def _id(text: str) -> int:
+    """Id on a VERTEX_SE2 line; one that no vertex has where it cannot be read."""
+    word = next(iter(text.split()[1:]), "")
+    return int(word) if word.removeprefix("-").isdecimal() else _BROKEN_ID

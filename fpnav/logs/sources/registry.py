@@ -54,9 +54,11 @@ def _recognise(path: Path) -> str:
     for name, source in SOURCES.items():
         if source.recognises(path, head):
             return name
-    known = "; ".join(f"{name}: {source.SUMMARY}" for name, source in SOURCES.items())
+    known = f"known formats are {', '.join(SOURCES)} (--format overrides the guess)"
     if path.is_dir():
-        raise LogError(f"{path}: E100 a folder without images.csv; known formats are {known}")
+        raise LogError(
+            f"{path}: E100 a folder without images.csv, .mcap, .bag or .db3 files; {known}"
+        )
     if not head:
-        raise LogError(f"{path}: E101 empty file; known formats are {known}")
-    raise LogError(f"{path}: E100 looks like {looks_like(head)}; known formats are {known}")
+        raise LogError(f"{path}: E101 empty file; {known}")
+    raise LogError(f"{path}: E100 looks like {looks_like(head)}; {known}")

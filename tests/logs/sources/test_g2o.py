@@ -12,7 +12,7 @@ import pytest
 from fpnav.errors import LogError, LossError
 from fpnav.logs.frames import open_log
 from fpnav.logs.ingest import ingest
-from fpnav.logs.ledger import Ledger
+from fpnav.logs.ledger import Budget, Ledger
 from fpnav.logs.sources.base import SourceOptions
 from fpnav.logs.text import lines
 from fpnav.values import Pose2
@@ -81,6 +81,23 @@ def test_damaged_lines_are_counted(tmp_path: Path) -> None:
     (tmp_path / "a.g2o").write_text("\n".join(rows))
     with pytest.raises(LossError, match="messages lost"):
         ingest([tmp_path / "a.g2o"], tmp_path / "out.mcap")
+
+
+@pytest.mark.parametrize("line", ["VERTEX_SE2 ", "VERTEX_SE2 - 0 0 0", "VERTEX_SE2 9x 0 0 0"])
+def test_scans_of_a_vertex_that_cannot_be_read_have_no_truth(line: str, tmp_path: Path) -> None:
+    rows = [line if row.startswith("VERTEX_SE2 9") else row for row in graph()]
+    (tmp_path / "a.g2o").write_text("\n".join(rows))
+    budget = Budget(max_loss=1.0)
+    done = ingest([tmp_path / "a.g2o"], tmp_path / "out.mcap", budget=budget)
+    assert done.messages["scan"] == 3
+    assert done.messages["truth"] == 2
+
+
+def test_lines_of_other_kinds_are_noted(tmp_path: Path) -> None:
+    (tmp_path / "a.g2o").write_text("\n".join([*graph(), "VERTEX_XY 4 1 1", "# end"]))
+    done = ingest([tmp_path / "a.g2o"], tmp_path / "out.mcap")
+    assert done.ledger.notes["lines"] == 1
+    assert "VERTEX_XY is not read" in done.ledger.remarks["lines"]
 
 
 def test_a_graph_without_scans_is_refused(tmp_path: Path) -> None:

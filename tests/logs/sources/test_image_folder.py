@@ -124,7 +124,9 @@ def test_truth_rows_without_numbers_are_counted(folder: Path, tmp_path: Path) ->
 
 def test_a_folder_without_a_list_says_what_is_known(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
-    with pytest.raises(LogError, match=r"E100 a folder without images.csv; known formats are mcap"):
+    with pytest.raises(
+        LogError, match=r"E100 a folder without images.csv, .*known formats are mcap"
+    ):
         ingest([tmp_path / "empty"], tmp_path / "out.mcap")
     with pytest.raises(LogError, match="no such file"):
         ingest([tmp_path / "gone"], tmp_path / "out.mcap")
