@@ -1,4 +1,4 @@
-"""CRC32 as MCAP has it, by zlib-ng where it is installed (extra ``fast``), else by zlib.
+"""CRC32 as MCAP has it, by zlib-ng, or by zlib where zlib-ng could not be installed.
 
 The values are the same; zlib-ng takes a tenth of the time, which is most of what reading an
 uncompressed log costs.
