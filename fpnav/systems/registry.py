@@ -14,6 +14,12 @@ SYSTEMS: dict[str, str] = {
     "fingerprint": "fpnav.systems.fingerprint:Fingerprint",
     "placecell": "fpnav.systems.placecell:Placecell",
     "gateway": "fpnav.systems.gateway:Gateway",
+    "tiny": "fpnav.systems.tiny:TinyImage",
+    "colourhist": "fpnav.systems.colourhist:ColourHistogram",
+    "hog": "fpnav.systems.hog:Hog",
+    "ridf": "fpnav.systems.ridf:Ridf",
+    "vlad": "fpnav.systems.vlad:Vlad",
+    "fourier": "fpnav.systems.fourier:FourierSignature",
 }
 
 
