@@ -55,6 +55,8 @@ def read_tables(file: Path | None, settings: Sequence[str], known: Iterable[str]
 def resolve(block: str, default: Block, tables: Tables) -> Block:
     """The block with the tables' values in place of the default's.
 
+    A field that is a block itself takes the table of its own name too.
+
     Raises
     ------
     UsageError
@@ -68,6 +70,10 @@ def resolve(block: str, default: Block, tables: Tables) -> Block:
         if isinstance(value, float) and not math.isfinite(value):
             raise UsageError(f"parameter {block}.{key}: {value} is not a finite number")
     values = {**msgspec.structs.asdict(default), **overrides}
+    for name, inner in msgspec.structs.asdict(default).items():
+        if isinstance(inner, Params):
+            table = {**overrides.get(name, {}), **tables.get(name, {})}
+            values[name] = resolve(name, inner, {name: table})
     try:
         return msgspec.convert(values, type(default), strict=True)
     except msgspec.ValidationError as error:

@@ -53,7 +53,10 @@ def _positive(ctx: click.Context, parameter: click.Parameter, value: int) -> int
 output = click.option("-o", "--output", type=FILE, required=True, help="File to write.")
 no_clobber = click.option("--no-clobber", is_flag=True, help="Refuse to replace an existing file.")
 system = click.option(
-    "-s", "--system", callback=_system, help=f"How places are recognised: {', '.join(SYSTEMS)}."
+    "-s",
+    "--system",
+    callback=_system,
+    help=f"How places are recognised: {', '.join(SYSTEMS)}; a+b joins two.",
 )
 preset = click.option("--preset", help="Named parameter set of the system (see fpnav systems).")
 params = click.option(

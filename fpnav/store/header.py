@@ -80,6 +80,15 @@ def check_header(path: Path, header: Header, kind: str) -> None:
             )
 
 
+def flat(params: Mapping[str, Any], before: str = "") -> dict[str, Any]:
+    """Parameters by name; those of a block within a block as ``inner.name``."""
+    out: dict[str, Any] = {}
+    for key, value in params.items():
+        inner = isinstance(value, Mapping)
+        out |= flat(value, f"{before}{key}.") if inner else {f"{before}{key}": value}
+    return out
+
+
 def check_same_signatures(
     first: Header, second: Header, names: tuple[str, str], late: Collection[str]
 ) -> None:
@@ -95,7 +104,7 @@ def check_same_signatures(
             f"{names[0]} was made with system {first['system']!r}, "
             f"{names[1]} with {second['system']!r}; make both with one"
         )
-    ours, theirs = first["params"], second["params"]
+    ours, theirs = flat(first["params"]), flat(second["params"])
     for key in sorted({*ours, *theirs} - set(late)):
         if ours.get(key) != theirs.get(key):
             raise StoreError(

@@ -24,13 +24,17 @@ SYSTEMS: dict[str, str] = {
 
 
 def system_class(name: str) -> type[System]:
-    """Class of the named system; imported on first use.
+    """Class of the named system, or of several joined as ``a+b``; imported on first use.
 
     Raises
     ------
     UsageError
         No system has that name.
     """
+    if "+" in name:
+        from fpnav.systems.joined import joined_class
+
+        return joined_class([system_class(part) for part in name.split("+")])
     if name not in SYSTEMS:
         raise UsageError(f"no system {name!r}; known: {', '.join(SYSTEMS)}")
     module, _, attribute = SYSTEMS[name].partition(":")

@@ -12,13 +12,19 @@ from helpers import small_world
 from numpy.typing import NDArray
 
 from fpnav.errors import StoreError
+from fpnav.params import as_dict
+from fpnav.store.header import flat
 from fpnav.systems.base import System, Trace
 from fpnav.systems.registry import SYSTEMS, system_class
 from fpnav.values import SENSOR_ROLES, Frame, Signature
 
 FRAMES = 84
 SOME = 14
-CASES = [(name, preset) for name in sorted(SYSTEMS) for preset in ("default", "paper")]
+JOINED = "fingerprint+placecell"
+CASES = [
+    *((name, preset) for name in sorted(SYSTEMS) for preset in ("default", "paper")),
+    (JOINED, "default"),
+]
 
 
 class Run:
@@ -80,10 +86,10 @@ def test_what_it_declares_is_what_it_uses(run: Run) -> None:
     assert set(kind.NEEDS.uses) <= set(SENSOR_ROLES)
     assert all(set(group) <= set(kind.NEEDS.uses) for group in kind.NEEDS.must)
     assert {"paper", "default"} <= set(kind.PRESETS)
-    fields = set(type(run.system.params).__struct_fields__)
+    fields = set(flat(as_dict(run.system.params)))
     assert fields >= kind.LATE
     assert isinstance(run.system.params, kind.PARAMS)
-    assert kind.NAME in SYSTEMS
+    assert set(kind.NAME.split("+")) <= set(SYSTEMS)
     assert kind.SUMMARY
     assert run.system.rule.min_observations >= 1
     assert run.system.thinning.step_m >= 0.0
