@@ -24,6 +24,7 @@ COMMANDS: dict[str, str] = {
     "build-map": "Build a topological map from logs or signatures.",
     "localize": "Locate each signature of a log on a map.",
     "recognize": "Find the same places again, frame to frame, without a map.",
+    "navigate": "Drive a simulated robot by a map, or ask on a log what it would do.",
     "report": "Write accuracy, plots and a page from saved results.",
     "reproduce": "Run the experiments of a paper and report them beside its claims.",
     "export": "Write a map or result in a format other tools read.",

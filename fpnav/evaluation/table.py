@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from fpnav.evaluation.calibration import brier_skill, ece
+from fpnav.evaluation.guidance import action_within, homing_success, route_closed
 from fpnav.evaluation.loops import loop_precision, loop_recall
 from fpnav.evaluation.measure import Measure
 from fpnav.evaluation.places import (
@@ -284,6 +285,26 @@ METRICS: dict[str, Entry] = {
         "place and its neighbours: strongly negative where scores fall off around a place",
         "pairs of query and place in the ranking, of all such pairs",
         "lower",
+    ),
+    "homing_success": Entry(
+        homing_success,
+        "Trips that come home",
+        "share of the trips of a robot that end within 0.3 m of their goal",
+        "trips",
+    ),
+    "route_closed": Entry(
+        route_closed,
+        "Trips that follow their route to its end",
+        "share of the trips that pass at least nine tenths of the route, never more than 3 m from "
+        "it, and end within 2 m of its end",
+        "trips",
+    ),
+    "action_within_45": Entry(
+        action_within(45.0),
+        "Actions within 45 degrees of the teacher's",
+        "share of the decisions whose direction is within 45 degrees of that to the goal, or of "
+        "that of the route at its nearest point; a decision without a direction is wrong",
+        "decisions, of those at which the teacher has a direction",
     ),
 }
 """Every metric of ``evaluate``, in the order they are printed."""

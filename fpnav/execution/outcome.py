@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +64,13 @@ def result_header(
         synthetic=query_header["synthetic"],
         worlds=query_header["worlds"],
     )
+
+
+def with_actions(result: Result, actions: NDArray[Any], task: Mapping[str, Any]) -> Result:
+    """The result with what a policy decided, and its task in the protocol."""
+    protocol = {**result.header["protocol"], "task": dict(task)}
+    header = {**result.header, "method": "navigate", "protocol": protocol}
+    return replace(result, header=header, actions=actions)
 
 
 def view_of_map(system: System, built: BuiltMap) -> MapView:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from fpnav.errors import LogError
 from fpnav.geometry import distance, relative
+from fpnav.navigation.base import Task
 from fpnav.topomap.graph import TopoMap
 from fpnav.values import Pose2, Reference, Signature
 
@@ -21,12 +22,30 @@ Actions = Mapping[int, float]
 AHEAD_M = 1.0
 
 
+def actions_for(task: Task, topomap: TopoMap, signatures: Sequence[Signature]) -> dict[int, float]:
+    """Actions of a task: towards its goal, or along the way of the mapping run.
+
+    Raises
+    ------
+    LogError
+        A place has neither odometry nor truth, or the map has no such goal.
+    """
+    if task.goal is None:
+        return along(topomap, signatures)
+    goal = task.goal
+    if isinstance(goal, str):
+        first = topomap.place(place_named(topomap, goal)).members[0]
+        goal = pose_of(signatures[first].reference)
+    return towards(topomap, signatures, goal)
+
+
 def towards(
-    topomap: TopoMap, signatures: Sequence[Signature], goal: Pose2, arrived_m: float = 0.1
+    topomap: TopoMap, signatures: Sequence[Signature], goal: Pose2, arrived_m: float = 0.3
 ) -> dict[int, float]:
     """Actions that lead straight to a goal, given in the frame of the mapping run's poses.
 
-    Places within ``arrived_m`` of it are ends.
+    Places within ``arrived_m`` of it are ends: their field reaches past the goal, where their
+    direction would lead away from it.
 
     Raises
     ------

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass
+from collections.abc import Mapping
 
 import numpy as np
+from msgspec import structs
 
 from fpnav.geometry import wrap
-from fpnav.navigation.actions import Actions, Winner
-from fpnav.navigation.base import HALT, Command
+from fpnav.navigation.actions import Actions, Winner, actions_for
+from fpnav.navigation.base import HALT, Command, Decision, Task
 from fpnav.navigation.field import heading_of
 from fpnav.navigation.obstacles import obstacles_of
 from fpnav.navigation.steering import SteeringParams, steer_to
+from fpnav.params import Tables, resolve
+from fpnav.store.maps import BuiltMap
 from fpnav.systems.base import Features, Memory, Recall, System, Trace
 from fpnav.values import Frame, Reference, Signature
 
@@ -21,21 +24,13 @@ WINDOW = 36
 """Frames kept to assemble the newest signature from."""
 
 
-@dataclass(frozen=True, slots=True)
-class Decision:
-    """What one frame led to: winner (-1 none), its activity, bearing wanted (NaN none)."""
-
-    place: int
-    activity: float
-    wanted_rad: float
-    agreement: float = 1.0
-
-
 class PlaceAction:
     """Policy: recognise a place, go in the direction attached to it, around what is in the way.
 
-    While no place is recognised the last direction is kept by odometry for a while. Obstacles and
-    direction are merged by a dynamic neural field; without obstacles the field is not asked.
+    A place without a direction is where the task ends; the robot halts where that place is clearly
+    more active than any other. While no place is recognised the last direction is kept by odometry
+    for a while. Obstacles and direction are merged by a dynamic neural field; without obstacles the
+    field is not asked.
     """
 
     def __init__(
@@ -54,7 +49,7 @@ class PlaceAction:
         """The command for what is seen now."""
         signature = self._signature(frame)
         if signature is not None:
-            self._decide(signature)
+            self.decide(signature)
         return self._steered(frame)
 
     def _signature(self, frame: Frame) -> Signature | None:
@@ -65,7 +60,8 @@ class PlaceAction:
             last = signature
         return last if last is not None and last.reference == frame.reference else None
 
-    def _decide(self, signature: Signature) -> None:
+    def decide(self, signature: Signature) -> Decision:
+        """The decision that one more signature leads to."""
         places = len(self._memory.places)
         recall, self._trace = self._memory.recall([signature], places, None, self._trace)
         activity = {
@@ -73,14 +69,26 @@ class PlaceAction:
             for place, score in zip(recall.places[0], recall.scores[0], strict=True)
             if place >= 0 and np.isfinite(score)
         }
-        place = self._winner.choose(activity)
+        place, arrived = self._chosen(activity)
         wanted = math.nan
         if place in self._actions:
             turn = float(recall.headings_rad[0][recall.places[0] == place][0])
             wanted = wrap(self._actions[place] - turn)
-        agreed = self._agreement(recall)
-        self.decision = Decision(place, activity.get(place, 0.0), wanted, agreed)
+        self.decision = Decision(
+            place, activity.get(place, 0.0), wanted, self._agreement(recall), arrived
+        )
         self._remember(signature.reference, wanted)
+        return self.decision
+
+    def _chosen(self, activity: Mapping[int, float]) -> tuple[int, bool]:
+        """Winner among the places with a direction; an end, where one is clearly more active."""
+        leading = self._winner.choose({k: v for k, v in activity.items() if k in self._actions})
+        ends = {k: v for k, v in activity.items() if k not in self._actions and v > 0.0}
+        if ends:
+            end = min(ends, key=lambda place: (-ends[place], place))
+            if ends[end] > self._params.end_ratio * activity.get(leading, 0.0):
+                return end, True
+        return leading, False
 
     def _agreement(self, recall: Recall) -> float:
         """Length of the mean direction that all active places tell, sharper ones counting more.
@@ -109,8 +117,7 @@ class PlaceAction:
             self._course = None
 
     def _steered(self, frame: Frame) -> Command:
-        arrived = self.decision.place >= 0 and self.decision.place not in self._actions
-        if self._course is None or arrived:
+        if self._course is None or self.decision.arrived:
             return HALT
         wanted = wrap(self._course - _heading(frame.reference))
         obstacles = obstacles_of(frame, self._params.reach_m, self._params.touch_m)
@@ -121,6 +128,23 @@ class PlaceAction:
             return Command(0.0, math.copysign(self._params.turn_radps / 2.0, wanted))
         ahead = [close for bearing, close in obstacles if math.cos(bearing) > 0.7]
         return steer_to(way, self._params, clear=1.0 - 0.8 * max(ahead, default=0.0))
+
+
+def place_action(system: System, built: BuiltMap, task: Task, tables: Tables) -> PlaceAction:
+    """The policy for a task on a map.
+
+    Raises
+    ------
+    LogError
+        The map's places have no poses to take directions from, or it has no such goal.
+    """
+    memory = system.memory()
+    memory.load(built.memory)
+    actions = actions_for(task, built.topomap, built.signatures)
+    params = resolve("navigate", SteeringParams(), tables)
+    if task.goal is None:
+        params = structs.replace(params, blend=0.0)
+    return PlaceAction(system, memory, actions, params)
 
 
 def _heading(reference: Reference) -> float:

@@ -17,8 +17,9 @@ class SteeringParams(Params, frozen=True):
     sharp_deg : heading error from which the robot turns on the spot
     reach_m, touch_m : obstacles are felt from ``reach_m`` on, fully at ``touch_m``
     margin : by how much a place must beat the present winner
-    blend : speed follows how far the active places agree on the direction, weighted by this power
-        of their activity; 0 = the winner alone decides
+    end_ratio : how much more active than any other a place that ends the task must be to halt at
+    blend : on the way to a goal the speed follows how far the active places agree on the
+        direction, weighted by this power of their activity; 0 = the winner alone decides
     hold : decisions for which a direction is kept when no place is recognised
     """
 
@@ -29,7 +30,8 @@ class SteeringParams(Params, frozen=True):
     reach_m: float = 0.8
     touch_m: float = 0.3
     margin: float = 0.02
-    blend: float = 0.0
+    end_ratio: float = 1.5
+    blend: float = 4.0
     hold: int = 20
 
 

@@ -51,7 +51,6 @@ class SimulatedRobot(Body):
         self.compass = state.compass_of(rig.compass, world.seed, world.run)
         self.dead_reckoned = Pose2(0.0, 0.0, 0.0)
         self.cameras = dict(calibrations(rig))
-        self.feelers = level_rays(np.arange(FEELERS) * 2 * math.pi / FEELERS)
         self.tick, self.frames, self.travelled_m = 0, 0, 0.0
         self.bumped = False
 
@@ -79,24 +78,12 @@ class SimulatedRobot(Body):
         before = (self.base.x_m, self.base.y_m)
         self.base.step(command.linear_mps, command.angular_radps)
         step = math.dist(before, (self.base.x_m, self.base.y_m))
-        if step > 0.0 and self._touches():
+        if step > 0.0 and touches(self.stage, self.base.x_m, self.base.y_m):
             self.base.x_m, self.base.y_m = before
             self.base.linear_mps, step, self.bumped = 0.0, 0.0, True
         self.tick += 1
         self.travelled_m += step
         self._dead_reckon(math.copysign(step, self.base.linear_mps))
-
-    def _touches(self) -> bool:
-        """Whether anything solid stands within the robot's radius."""
-        reach = np.full(FEELERS, RADIUS_M, dtype=np.float32)
-        return any(
-            self.stage.scene.solid.blocked(
-                from_point((self.base.x_m, self.base.y_m, height), self.feelers),
-                self.feelers,
-                reach,
-            ).any()
-            for height in FEELER_HEIGHTS_M
-        )
 
     def _dead_reckon(self, step_m: float) -> None:
         turn = self.base.angular_radps * TICK_S
@@ -145,6 +132,16 @@ class SimulatedRobot(Body):
         if encoded is None:
             return reading.role, Decoded(reading.value)
         return reading.role, Decoded(Image(decode(encoded), self.cameras[reading.role]))
+
+
+def touches(stage: Stage, x_m: float, y_m: float) -> bool:
+    """Whether anything solid stands within the robot's radius of a point."""
+    reach = np.full(FEELERS, RADIUS_M, dtype=np.float32)
+    feelers = level_rays(np.arange(FEELERS) * 2 * math.pi / FEELERS)
+    return any(
+        stage.scene.solid.blocked(from_point((x_m, y_m, height), feelers), feelers, reach).any()
+        for height in FEELER_HEIGHTS_M
+    )
 
 
 def steer(robot: SimulatedRobot, policy: Policy, decisions: int) -> Iterator[Frame]:

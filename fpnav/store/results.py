@@ -3,7 +3,8 @@
 Layout
 ------
 ``header`` JSON; one dataset per array of tables.Result under its own name; ``truth/`` with
-``facts`` JSON and ``pairs/`` ragged; ``view/`` the map as drawn.
+``facts`` JSON and ``pairs/`` ragged; ``view/`` the map as drawn; ``actions`` (A,) ACTION where a
+policy decided.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from fpnav.store.hdf5 import (
 )
 from fpnav.store.header import RESULT, Header, check_header
 from fpnav.store.signatures import get_ragged, put_ragged, ragged_to_texts, texts_to_ragged
-from fpnav.store.tables import EDGE, REFERENCE, Accepted, MapView, Result
+from fpnav.store.tables import ACTION, EDGE, REFERENCE, Accepted, MapView, Result
 
 _INT, _FLOAT = np.dtype(np.int64), np.dtype(np.float64)
 
@@ -68,6 +69,8 @@ def write_result(path: Path, result: Result, *, clobber: bool = True) -> None:
         for name in _ARRAYS:
             write_array(file, name, getattr(result, name))
         put_ragged(file, "query_strips", texts_to_ragged(result.query_strips))
+        if len(result.actions):
+            write_array(file, "actions", result.actions)
         _put_truth(file.create_group("truth"), result.truth)
         _put_view(file.create_group("view"), result.view)
 
@@ -87,6 +90,7 @@ def read_result(path: Path) -> Result:
             header=header,
             **_get_arrays(file, _ARRAYS),
             query_strips=_get_texts(file, "query_strips"),
+            actions=_get_actions(file),
             truth=_get_truth(read_group(file, "truth")),
             view=_get_view(read_group(file, "view")),
         )
@@ -113,6 +117,12 @@ def _get_arrays(
                     f"expected {known[axis]} along {axis}"
                 )
     return arrays
+
+
+def _get_actions(group: h5py.Group) -> NDArray[Any]:
+    if not has(group, "actions"):
+        return np.zeros(0, ACTION)
+    return read_array(group, "actions", ACTION, ndim=1)
 
 
 def _get_texts(group: h5py.Group, name: str) -> tuple[str, ...]:

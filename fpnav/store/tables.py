@@ -37,6 +37,20 @@ EDGE = np.dtype(
 )
 """One row per directed edge of a map, one edge per travelled direction."""
 
+ACTION = np.dtype(
+    [
+        ("trip", "<i4"),
+        ("stamp_ns", "<i8"),
+        ("truth", "<f8", (3,)),
+        ("place", "<i8"),
+        ("activity", "<f8"),
+        ("wanted_rad", "<f8"),
+        ("bumped", "?"),
+    ]
+)
+"""One row per decision of a policy: where the robot was, the winning place (-1 none), the bearing
+it wanted to go in the robot's frame (NaN none), whether it touched something since the last."""
+
 NO_POSE = (np.nan, np.nan, np.nan)
 
 
@@ -141,7 +155,7 @@ class Result:
     ``belief`` (Q, P) float32 over ``view.place_ids``, or (Q, 0). ``candidates`` (Q,): the query
     could be matched with reference rows 0 .. candidates - 1 only (one run against its own past;
     R otherwise). ``relative`` (Q, 3) pose of the query as seen from the best member, NaN unknown;
-    ``covariance`` (Q, 3, 3).
+    ``covariance`` (Q, 3, 3). ``actions`` (A,) ACTION, the decisions of a policy, none elsewhere.
     """
 
     header: Mapping[str, Any]
@@ -162,6 +176,7 @@ class Result:
     truth: Accepted
     view: MapView
     query_strips: tuple[str, ...] = field(default=())
+    actions: NDArray[Any] = field(default_factory=lambda: np.zeros(0, ACTION))
 
 
 def label_bytes(label: str) -> bytes:

@@ -166,7 +166,8 @@ class System(Protocol):
     """One way to recognise places. Built with its parameter block; holds no other state.
 
     LATE names the parameters that act on signatures only, not in making them: files that differ
-    in no other parameter may be joined.
+    in no other parameter may be joined. POLICY names how a robot goes by its maps (see
+    fpnav.navigation.registry).
     """
 
     NAME: ClassVar[str]
@@ -177,6 +178,7 @@ class System(Protocol):
     PRESETS: ClassVar[Mapping[str, Params]]
     RECORD: ClassVar[np.dtype[Any]]
     PARTS: ClassVar[Mapping[str, np.dtype[Any]]]
+    POLICY: ClassVar[str]
 
     def __init__(self, params: Any) -> None: ...
 
@@ -223,6 +225,10 @@ class System(Protocol):
     def picture(self, signature: Signature) -> Picture:
         """What to draw for a person who asks what this place looks like to the system."""
         ...
+
+
+BY_PLACES = "place-action"
+"""Standard part ``POLICY``: go in the direction attached to the place recognised."""
 
 
 def no_verification(

@@ -13,6 +13,7 @@ from fpnav.errors import StoreError
 from fpnav.geometry import wrap_array
 from fpnav.params import Params
 from fpnav.systems.base import (
+    BY_PLACES,
     Features,
     MapRule,
     Needs,
@@ -132,6 +133,7 @@ class Toy:
     PRESETS: ClassVar[Mapping[str, Params]] = {"default": ToyParams()}
     RECORD: ClassVar[np.dtype[Any]] = RECORD
     PARTS: ClassVar[Mapping[str, np.dtype[Any]]] = {"bins": BIN}
+    POLICY: ClassVar[str] = BY_PLACES
 
     likelihood = spread_likelihood
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from fpnav.params import Params
 from fpnav.systems.base import (
+    BY_PLACES,
     Features,
     MapRule,
     Needs,
@@ -36,6 +37,7 @@ class Fingerprint:
     PRESETS: ClassVar[Mapping[str, Params]] = PRESETS
     RECORD: ClassVar[np.dtype[Any]] = RECORD
     PARTS: ClassVar[Mapping[str, np.dtype[Any]]] = {"features": FEATURE, "symbols": SYMBOL}
+    POLICY: ClassVar[str] = BY_PLACES
 
     verify = no_verification
     likelihood = spread_likelihood

@@ -10,7 +10,15 @@ import numpy as np
 from fpnav.params import Params
 from fpnav.sensing.cues import CUE
 from fpnav.sensing.scene import CELLS, cells_of
-from fpnav.systems.base import Features, MapRule, Needs, Picture, Thinning, no_verification
+from fpnav.systems.base import (
+    BY_PLACES,
+    Features,
+    MapRule,
+    Needs,
+    Picture,
+    Thinning,
+    no_verification,
+)
 from fpnav.systems.gateway.evidence import likeness
 from fpnav.systems.gateway.look import features_of_frame
 from fpnav.systems.gateway.memory import GatewayMemory
@@ -40,6 +48,7 @@ class Gateway:
     PRESETS: ClassVar[Mapping[str, Params]] = PRESETS
     RECORD: ClassVar[np.dtype[Any]] = RECORD
     PARTS: ClassVar[Mapping[str, np.dtype[Any]]] = {"cues": CUE}
+    POLICY: ClassVar[str] = BY_PLACES
 
     verify = no_verification
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fpnav.params import Params
 from fpnav.systems.base import (
+    BY_PLACES,
     Features,
     MapRule,
     Needs,
@@ -37,6 +38,7 @@ class Placecell:
     PRESETS: ClassVar[Mapping[str, Params]] = PRESETS
     RECORD: ClassVar[np.dtype[Any]] = RECORD
     PARTS: ClassVar[Mapping[str, np.dtype[Any]]] = {"views": VIEW, "pixels": PIXEL}
+    POLICY: ClassVar[str] = BY_PLACES
 
     verify = no_verification
     likelihood = spread_likelihood
