@@ -244,7 +244,8 @@ class PlacecellMemory:
                 now = excite(neurons, part, headings, params, cells)
             seen = at_best_heading(neurons, now)
             stream = remembered(stream, seen, fires=fires, params=params)
-        return _held(neurons, stream, answer(neurons, now), cells), stream
+        heading = float(headings[0]) if headings is not None and len(headings) == 1 else math.nan
+        return _held(neurons, stream, answer(neurons, now), cells, heading), stream
 
 
 def views_of(signature: Signature, params: PlacecellParams) -> Views:
@@ -261,14 +262,21 @@ def _one_heading(found: CellAnswer) -> FloatArray:
 
 
 def _held(
-    neurons: Neurons, stream: Stream, now: CellAnswer, cells: NDArray[np.bool_] | None
+    neurons: Neurons,
+    stream: Stream,
+    now: CellAnswer,
+    cells: NDArray[np.bool_] | None,
+    heading_rad: float,
 ) -> CellAnswer:
-    """Activity of the cells from what the merging neurons hold; headings as seen now."""
+    """Activity of the cells from what the merging neurons hold; headings as seen now.
+
+    ``heading_rad`` : that of the robot where it is known, for cells that nothing seen now excites
+    """
     m = stream.held.m
     if cells is not None:
         m = np.where(cells[neurons.triplets["cell"]], m, 0.0)
     active = np.flatnonzero(m)
     found = answer(neurons, Excitation(active, m[active, None], np.full(1, np.nan)))
-    headings = np.full(len(neurons.cells), np.nan)
+    headings = np.full(len(neurons.cells), heading_rad)
     headings[now.cells] = now.headings_rad
     return CellAnswer(found.cells, found.activity, headings[found.cells])
