@@ -11,6 +11,7 @@ from fpnav.experiments.study import Study
 STUDIES: dict[str, str] = {
     "tapus": "fpnav.experiments.tapus:STUDY",
     "giovannangeli": "fpnav.experiments.giovannangeli:STUDY",
+    "kortenkamp": "fpnav.experiments.kortenkamp:STUDY",
 }
 
 

@@ -20,20 +20,34 @@ Experiment = Callable[[Workshop, int], "Outcome"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """What one experiment gave in one world: figures of merit, pictures, how it was made."""
+    """What one experiment gave in one world: figures of merit, pictures, how it was made.
+
+    ``material`` : what a picture over all worlds is drawn from
+    """
 
     metrics: Sequence[Metric]
     pictures: Sequence[Illustration] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
+    material: Any = None
+
+
+Together = Callable[[Sequence[Any]], Sequence[Illustration]]
+"""The materials of all worlds to pictures over them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Study:
-    """A paper: how to name it, its experiments in order, and what is claimed of them."""
+    """A paper: how to name it, its experiments in order, and what is claimed of them.
+
+    ``together`` : pictures over all worlds of an experiment; ``most`` : worlds that a long
+    experiment is run in at most, the first of those asked for
+    """
 
     heading: Heading
     claims: Sequence[Claim]
     experiments: Mapping[str, Experiment]
+    together: Mapping[str, Together] = field(default_factory=dict)
+    most: Mapping[str, int] = field(default_factory=dict)
 
 
 def conduct(
@@ -58,15 +72,24 @@ def conduct(
     for name, experiment in study.experiments.items():
         if only and name not in only:
             continue
+        chosen = seeds[: study.most.get(name, len(seeds))]
         outcomes = {}
-        for seed in seeds:
+        for seed in chosen:
             outcomes[seed] = experiment(workshop, seed)
             advance(1)
-        findings += _findings(name, outcomes)
+        advance(len(seeds) - len(chosen))
+        pictures = study.together.get(name, _none)([o.material for o in outcomes.values()])
+        findings += _findings(name, outcomes, pictures)
     return findings
 
 
-def _findings(name: str, outcomes: Mapping[int, Outcome]) -> list[Finding]:
+def _none(materials: Sequence[Any]) -> Sequence[Illustration]:
+    return ()
+
+
+def _findings(
+    name: str, outcomes: Mapping[int, Outcome], pictures: Sequence[Illustration]
+) -> list[Finding]:
     single = [
         Finding(name, seed, _by_name(outcome.metrics), outcome.pictures, outcome.facts)
         for seed, outcome in outcomes.items()
@@ -77,7 +100,7 @@ def _findings(name: str, outcomes: Mapping[int, Outcome]) -> list[Finding]:
         for metric in names
     }
     facts = {"seeds": list(outcomes)}
-    return [Finding(name, None, pooled, (), facts), *single]
+    return [Finding(name, None, pooled, pictures, facts), *single]
 
 
 def _by_name(metrics: Sequence[Metric]) -> dict[str, Metric]:

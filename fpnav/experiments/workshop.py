@@ -6,6 +6,7 @@ what signatures and maps are made from (the log's bytes, the system's parameters
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import json
@@ -18,9 +19,9 @@ from typing import Any
 
 import msgspec
 
-from fpnav.errors import FpnavError
+from fpnav.errors import FpnavError, LogError
 from fpnav.execution.checkpoint import Checkpoints
-from fpnav.execution.spread import Spread
+from fpnav.execution.spread import Here, Spread
 from fpnav.execution.stages import make_map
 from fpnav.execution.walk import LogOptions, Run, SystemChoice, extract, make_system
 from fpnav.params import NO_TABLES, Tables
@@ -32,6 +33,7 @@ from fpnav.store.header import Header
 from fpnav.store.maps import BuiltMap, read_map, write_map
 from fpnav.store.results import read_header
 from fpnav.store.signatures import read_signatures, write_signatures
+from fpnav.systems.base import System
 
 SIMULATOR = ("sim", "logs", "geometry.py", "values.py")
 EXTRACTION = ("systems", "sensing", "logs", "geometry.py", "values.py")
@@ -66,11 +68,7 @@ class Workshop:
 
     def log(self, job: Job) -> Path:
         """Log of a run, simulated unless it is there already."""
-        setting = job.setting
-        name = f"{setting.name}-{job.route}-{setting.seed}-{setting.run}"
-        key = [setting.name, setting.seed, setting.run, setting.overrides, job.route]
-        rig = msgspec.to_builtins(job.rig)
-        path = self._kept("logs", name, [*key, rig, code_digest(SIMULATOR)], "mcap")
+        path = self._log_path(job)
         if not path.exists():
             record(job, path, spread=self.spread)
         return path
@@ -79,9 +77,7 @@ class Workshop:
         """Signatures of a log, extracted unless they are there already."""
         system, preset = make_system(choice)
         params = msgspec.to_builtins(system.params)
-        early = {name: params[name] for name in params if name not in system.LATE}
-        key = [file_digest(log), system.NAME, early, code_digest(EXTRACTION)]
-        path = self._kept("signatures", f"{log.stem}-{system.NAME}", key, "h5")
+        path = self._run_path(log, system)
         if not path.exists():
             nowhere = Checkpoints(path, resume=False)
             made = extract(
@@ -106,6 +102,38 @@ class Workshop:
         header = {**read_header(path), "preset": run.header["preset"]}
         return header, read_map(path, run.system.RECORD, run.system.PARTS)
 
+    def runs(self, jobs: Sequence[Job], choice: SystemChoice) -> list[Run]:
+        """Signatures of several runs, made side by side."""
+        self.make(jobs, choice)
+        return [self.run(self.log(job), choice) for job in jobs]
+
+    def make(self, jobs: Sequence[Job], choice: SystemChoice) -> None:
+        """Make the logs and signatures that are missing side by side, one log a worker.
+
+        What fails here fails again where it is asked for, and is told there.
+        """
+        missing = [job for job in jobs if not self._has(job, choice)]
+        spread = self.spread if len(missing) > 1 else Here()
+        for _ in spread.ordered(Making(Workshop(self.folder, Here()), choice), missing):
+            pass
+
+    def _has(self, job: Job, choice: SystemChoice) -> bool:
+        log = self._log_path(job)
+        return log.exists() and self._run_path(log, make_system(choice)[0]).exists()
+
+    def _log_path(self, job: Job) -> Path:
+        setting = job.setting
+        name = f"{setting.name}-{job.route}-{setting.seed}-{setting.run}"
+        key = [setting.name, setting.seed, setting.run, setting.overrides, job.route]
+        rig = msgspec.to_builtins(job.rig)
+        return self._kept("logs", name, [*key, rig, code_digest(SIMULATOR)], "mcap")
+
+    def _run_path(self, log: Path, system: System) -> Path:
+        params = msgspec.to_builtins(system.params)
+        early = {name: params[name] for name in params if name not in system.LATE}
+        key = [file_digest(log), system.NAME, early, code_digest(EXTRACTION)]
+        return self._kept("signatures", f"{log.stem}-{system.NAME}", key, "h5")
+
     def _kept(self, kind: str, name: str, key: Sequence[Any], ending: str) -> Path:
         text = json.dumps(key, sort_keys=True).encode()
         folder = self.folder / kind
@@ -114,6 +142,19 @@ class Workshop:
         except OSError as error:
             raise FpnavError(f"{folder}: cannot be made a folder: {error.strerror}") from error
         return folder / f"{name}-{hashlib.sha256(text).hexdigest()[:12]}.{ending}"
+
+
+@dataclass(frozen=True, slots=True)
+class Making:
+    """Picklable: makes log and signatures of a run for a workshop, where they are found again."""
+
+    shop: Workshop
+    choice: SystemChoice
+
+    def __call__(self, job: Job) -> None:
+        """Make what is missing, as far as it can be made."""
+        with contextlib.suppress(LogError):
+            self.shop.run(self.shop.log(job), self.choice)
 
 
 @functools.cache

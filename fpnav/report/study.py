@@ -27,7 +27,8 @@ TEMPLATE = "study.html.jinja"
 class Claim:
     """One row of the table: what the paper says, what is to be reached, in which figure of merit.
 
-    ``least`` and ``most`` bound the mean over seeds; with neither the figure is only reported.
+    ``least`` and ``most`` bound the mean over seeds, ``above`` its whole 95 % interval (the mean
+    where there is none); without any the figure is only reported.
     ``meaning`` says how success is defined.
     """
 
@@ -38,13 +39,22 @@ class Claim:
     least: float | None = None
     most: float | None = None
     meaning: str = ""
+    above: float | None = None
 
     def met(self, metric: Metric) -> bool | None:
         """Whether a figure keeps the bounds; None where nothing was asked."""
-        if self.least is None and self.most is None:
-            return None
-        above = self.least is None or metric.value >= self.least
-        return above and (self.most is None or metric.value <= self.most)
+        kept = []
+        if self.least is not None:
+            kept.append(metric.value >= self.least)
+        if self.most is not None:
+            kept.append(metric.value <= self.most)
+        if self.above is not None:
+            kept.append(_lowest(metric) > self.above)
+        return all(kept) if kept else None
+
+
+def _lowest(metric: Metric) -> float:
+    return metric.low if math.isfinite(metric.low) else metric.value
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -171,7 +181,7 @@ def _row(claim: Claim, findings: Sequence[Finding]) -> dict[str, Any] | None:
 
 
 def _goal(claim: Claim, like: Metric) -> str:
-    bounds = [(claim.least, "\u2265"), (claim.most, "\u2264")]
+    bounds = [(claim.least, "\u2265"), (claim.most, "\u2264"), (claim.above, ">")]
     return " and ".join(f"{sign} {_as(like, value)}" for value, sign in bounds if value is not None)
 
 
@@ -215,7 +225,7 @@ def _section(
             {"title": words.title_of(metric), "cells": [_cell(f, metric) for f in own]}
             for metric in metrics
         ],
-        "pictures": pictures[first.name],
+        "pictures": [*(pictures[name] if first.name != name else ()), *pictures[first.name]],
         "more": [(f.name, pictures[f.name]) for f in single[1:] if pictures[f.name]],
         "facts": [(key, str(plain(value))) for key, value in first.facts.items()],
     }

@@ -17,6 +17,7 @@ WORLDS: dict[str, tuple[str, ...]] = {
     "outdoor": ("line",),
     "suburb": ("loop", "street"),
     "gateways": ("route-1", "route-2", "route-3"),
+    "gateway_types": tuple(f"type-{number:02d}" for number in range(1, 26)),
     "campus": ("tour",),
 }
 """Name of a world (module of fpnav.sim.worlds) and its routes."""

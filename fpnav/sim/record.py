@@ -92,7 +92,8 @@ def sense_chunk(item: tuple[Job, int, int]) -> list[list[Sealed]]:
     for i in range(start, stop):
         time_s = float(times[i])
         pose = track.pose_at(time_s)
-        stage, awake = stage_at(job.setting, pose), looking(route, job.rig, pose)
+        awake = i % job.rig.capture.images_every == 0 and looking(route, job.rig, pose)
+        stage = stage_at(job.setting, pose)
         moment = Moment(stage, job.rig, track.state_at, i, time_s, i / len(times), awake)
         made.append([sealed(reading, job.rig) for reading in sense(moment)])
     return made

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Annotated
+
+import msgspec
 
 from fpnav.errors import UsageError
 from fpnav.params import Params, Tables, resolve
@@ -16,11 +19,14 @@ from fpnav.values import ORIGIN, Calibration, Pose2
 ROLES = ("panorama", "omni", "camera", "camera_offset", "pan", "scan", "sonar")
 """Sensors there are; ``pan`` turns the camera into a row of partial views."""
 
+Count = Annotated[int, msgspec.Meta(ge=1)]
+
 
 class Capture(Params, frozen=True):
     """When data sets are taken and how far the route is driven; 0 = as the route says.
 
-    ``images_near_m`` : where not 0, cameras only look within this distance of the route's marks.
+    ``images_near_m`` : where not 0, cameras only look within this distance of the route's marks;
+    ``images_every`` : how many data sets there are to one with images.
     ``state_s`` : time between two odometry, truth and compass messages. ``scan_late_s``,
     ``sonar_late_s`` : how long after the images of a data set these are taken.
     ``kidnaps`` : times the robot is lifted and set down elsewhere on its route, its odometry none
@@ -30,6 +36,7 @@ class Capture(Params, frozen=True):
     step_m: float = 0.0
     length_m: float = 0.0
     images_near_m: float = 0.0
+    images_every: Count = 1
     kidnaps: int = 0
     speed_mps: float = 0.0
     state_s: float = 0.1

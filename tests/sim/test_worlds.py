@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -11,7 +12,7 @@ from helpers.sim_world import TRUE_LASER
 from fpnav.errors import UsageError
 from fpnav.geometry import wrap
 from fpnav.sim.catalogue import WORLDS, Setting, default_rig, overrides_in, route_of
-from fpnav.sim.record import Job, driven, stage_at, stage_of, world_of
+from fpnav.sim.record import Job, driven, sense_chunk, stage_at, stage_of, world_of
 from fpnav.sim.rig import make_rig
 from fpnav.sim.seeds import generator
 from fpnav.sim.sense import Moment, sense
@@ -40,7 +41,7 @@ def distance(scene_of: Stage, x: float, y: float, angle: float, height: float = 
     return float(scan.ranges_m[1])
 
 
-@pytest.mark.parametrize("name", ["office", "room", "gateways"])
+@pytest.mark.parametrize("name", ["office", "room", "gateways", "gateway_types"])
 def test_every_route_of_the_catalogue_can_be_had(name: str) -> None:
     assert set(world(name, 1).routes) == set(WORLDS[name])
 
@@ -133,7 +134,9 @@ def test_any_number_of_gateways_can_be_had_some_of_them_alike() -> None:
 def test_a_gateway_that_is_closed_is_walled_up() -> None:
     closed = Setting("gateways", 1, 1, overrides_in({"world": {"closed": ["C"]}})).make()
     ready = set_stage(closed)
-    gateway = next(g for g in closed.gateways if g.name == "C" and g.route == "route-1")
+    before = world("gateways", 1).gateways
+    gateway = next(g for g in before if g.name == "C" and g.route == "route-1")
+    assert {g.name for g in closed.gateways} == set("ABDEFG")
     half = closed.routes["route-1"].half_width_m
     assert distance(ready, gateway.x_m, gateway.y_m, -math.pi / 2, 2.3) < half + 0.05
 
@@ -339,3 +342,22 @@ def test_an_unknown_world_or_route_is_refused_with_what_there_is() -> None:
         Setting("moon").make()
     with pytest.raises(UsageError, match="room has no route 'map'; it has line, homing"):
         route_of(world("room", 1), "map")
+
+
+def test_every_type_of_gateway_has_a_building_with_free_way() -> None:
+    made, ready = world("gateway_types", 1), stage("gateway_types", 1)
+    assert len({gateway.type for gateway in made.gateways}) == 25
+    for gateway in made.gateways:
+        route = made.routes[gateway.route]
+        for (x0, y0), (x1, y1) in itertools.pairwise(route.points):
+            angle = math.atan2(y1 - y0, x1 - x0)
+            assert distance(ready, x0, y0, angle) > math.dist((x0, y0), (x1, y1)) + 0.2
+
+
+def test_images_may_be_rarer_than_other_readings() -> None:
+    roles, defaults = default_rig("gateways")
+    rig = make_rig(roles, defaults, {"capture": {"images_every": 3, "images_near_m": 0.0}})
+    job = Job(Setting("gateways", 1, 1), "route-1", rig)
+    taken = [{reading.role for reading, _ in readings} for readings in sense_chunk((job, 0, 7))]
+    assert [("camera" in roles) for roles in taken] == [True, False, False] * 2 + [True]
+    assert all("sonar" in roles for roles in taken)

@@ -68,7 +68,8 @@ class Halls:
 def seven_gateways(params: GatewaysParams, rng: np.random.Generator) -> Layout:
     """One such building."""
     halls = draw_halls(params, rng)
-    return Layout(_spaces(params, halls), tuple(gateways_of(halls)), _ways(halls), halls.wide)
+    there = tuple(one for one in gateways_of(halls) if one.name not in params.closed)
+    return Layout(_spaces(params, halls), there, _ways(halls), halls.wide)
 
 
 def draw_halls(params: GatewaysParams, rng: np.random.Generator) -> Halls:

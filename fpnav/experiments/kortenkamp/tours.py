@@ -1,0 +1,89 @@
+"""The drives every experiment is made of: guided traversals of routes, and what they met."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fpnav.evaluation.gateways import Gateways, Survey, gateways_met, surveyed
+from fpnav.execution.walk import Run, SystemChoice
+from fpnav.experiments.workshop import Workshop, job_of
+from fpnav.geometry import compose
+from fpnav.params import Tables
+from fpnav.sim.record import Job
+from fpnav.systems.gateway.types import NAMES
+from fpnav.values import Pose2, Signature
+
+ROUTES = ("route-1", "route-2", "route-3")
+TRAINING, TEST = (1, 2, 3, 4, 5), 6
+"""Runs: each route is driven five times with a guide, once more to test."""
+
+NEAR: Tables = {"capture": {"images_near_m": 0.25, "images_every": 2}}
+"""Pictures are rendered only near gateways, every ten centimetres: the robot looks where it
+stops."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Traversal:
+    """One drive: its signatures, and which gateway of the route each of them is."""
+
+    route: str
+    number: int
+    run: Run
+    survey: Survey
+
+    def guided(self) -> Iterator[tuple[int, Signature]]:
+        """What a guide tells: the number along the route of every gateway that is one."""
+        for row, partner in enumerate(self.survey.partner.tolist()):
+            if partner >= 0:
+                yield partner, self.run.table[row]
+
+
+def choice(preset: str = "paper", **changes: Any) -> SystemChoice:
+    """The system with a preset's parameters and changes to them."""
+    return SystemChoice("gateway", preset, {"gateway": changes})
+
+
+def job(seed: int, route: str, run: int, tables: Tables = NEAR, world: str = "gateways") -> Job:
+    """One traversal with both cameras and the sonar ring."""
+    return job_of(world, route, seed, run, tables=tables)
+
+
+def traversals(
+    shop: Workshop,
+    seed: int,
+    chosen: SystemChoice,
+    routes: Sequence[str] = ROUTES,
+    runs: Sequence[int] = (*TRAINING, TEST),
+    tables: Tables = NEAR,
+) -> list[Traversal]:
+    """Traversals of some routes in one world."""
+    drives = [(route, run) for route in routes for run in runs]
+    made = shop.runs([job(seed, route, run, tables) for route, run in drives], chosen)
+    return [
+        Traversal(route, number, run, survey_of(run, route))
+        for (route, number), run in zip(drives, made, strict=True)
+    ]
+
+
+def survey_of(run: Run, route: str) -> Survey:
+    """The gateways a run found, against those its route meets."""
+    return surveyed(found_in(run), gateways_met(run.header["worlds"][0], route))
+
+
+def found_in(run: Run) -> Gateways:
+    """The gateways of a run's signatures, in the frame of truth."""
+    placed = [_centre(signature) for signature in run.table]
+    poses = [(pose.x_m, pose.y_m, pose.heading_rad) for pose in placed]
+    types = tuple(NAMES[int(code)] for code in run.table.records["type"])
+    return Gateways(np.array(poses, dtype=np.float64).reshape(-1, 3), types, ("",) * len(types))
+
+
+def _centre(signature: Signature) -> Pose2:
+    record, truth = signature.record, signature.reference.truth
+    assert truth is not None
+    seen = Pose2(float(record["x_m"]), float(record["y_m"]), float(record["axis_rad"]))
+    return compose(truth, seen)

@@ -1,0 +1,90 @@
+"""A study is run: every experiment in every world, pooled, drawn together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fpnav.errors import UsageError
+from fpnav.execution.spread import Here
+from fpnav.experiments.registry import STUDIES, study_of
+from fpnav.experiments.study import Outcome, Study, conduct
+from fpnav.experiments.workshop import Workshop
+from fpnav.report.study import Claim, Heading, Illustration
+from fpnav.values import Metric
+
+HEADING = Heading("toy", "toy", "Toy", "", "", {})
+
+
+def counting(shop: Workshop, seed: int) -> Outcome:
+    return Outcome([Metric("share", seed / 4, seed, 4)], (), {"preset": "paper"}, seed)
+
+
+def together(materials: Sequence[Any]) -> Sequence[Illustration]:
+    raise AssertionError if 4 in materials else LookupError(sum(materials))
+
+
+def study(**changes: Any) -> Study:
+    return Study(HEADING, (), {"T1": counting, "T2": counting}, **changes)
+
+
+def shop(tmp_path: Path) -> Workshop:
+    return Workshop(tmp_path, Here())
+
+
+def test_every_experiment_runs_in_every_world_and_is_pooled(tmp_path: Path) -> None:
+    found = conduct(study(), shop(tmp_path), [1, 3])
+    assert [one.name for one in found] == [
+        "T1", "T1/seed-1", "T1/seed-3", "T2", "T2/seed-1", "T2/seed-3",
+    ]  # fmt: skip
+    pooled = found[0].metrics["share"]
+    assert (pooled.value, pooled.n, pooled.of) == (0.5, 4, 8)
+    assert (pooled.low, pooled.high) == pytest.approx((0.25, 0.75), abs=0.02)
+
+
+def test_a_long_experiment_runs_in_the_first_worlds_only(tmp_path: Path) -> None:
+    done: list[int] = []
+    found = conduct(study(most={"T1": 1}), shop(tmp_path), [2, 3, 4], ["T1"], done.append)
+    assert [one.name for one in found] == ["T1", "T1/seed-2"]
+    assert found[0].facts["seeds"] == [2]
+    assert sum(done) == 3
+
+
+def test_pictures_over_all_worlds_are_made_of_their_materials(tmp_path: Path) -> None:
+    with pytest.raises(LookupError, match="6"):
+        conduct(study(together={"T1": together}), shop(tmp_path), [1, 2, 3])
+
+
+def test_an_experiment_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="toy has no experiment 'T9'; it has T1, T2"):
+        conduct(study(), shop(tmp_path), [1], ["T9"])
+
+
+@pytest.mark.parametrize(
+    ("bounds", "low", "met"),
+    [
+        ({}, 0.1, None),
+        ({"above": 0.0}, 0.1, True),
+        ({"above": 0.0}, -0.1, False),
+        ({"above": 0.0}, math.nan, True),
+        ({"least": 0.5, "above": 0.0}, 0.1, False),
+        ({"most": 0.4}, 0.1, True),
+    ],
+)
+def test_a_claim_may_ask_for_the_whole_interval(
+    bounds: dict[str, float], low: float, met: bool | None
+) -> None:
+    claim = Claim("T1", "lead", "leads", "", **bounds)
+    assert claim.met(Metric("lead", 0.3, 1, 1, low=low, high=0.6)) is met
+
+
+@pytest.mark.parametrize("name", sorted(STUDIES))
+def test_a_studys_claims_and_titles_are_of_its_experiments(name: str) -> None:
+    made = study_of(name)
+    assert {claim.experiment for claim in made.claims} <= set(made.experiments)
+    assert set(made.heading.titles) == set(made.experiments)
+    assert {*made.together, *made.most} <= set(made.experiments)
