@@ -17,7 +17,7 @@ WALLED: Tables = {**NEAR, "world": {"closed": [CLOSED]}}
 
 
 def closed_door(shop: Workshop, seed: int) -> Outcome:
-    """C11: C is walled up on the test; "the third right opening" is then another place."""
+    """C10: C is walled up on the test; "the third right opening" is then another place."""
     drives = traversals(shop, seed, choice(), [ROUTE], TRAINING)
     test = traversals(shop, seed, choice(), [ROUTE], [TEST], WALLED)
     places = learned([*drives, *test], PARAMS)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,7 +21,9 @@ from fpnav.systems.gateway.types import NAMES
 from fpnav.values import FloatArray, Metric
 
 GATEWAYS, ALIKE = 50, 10
-FIFTY: Tables = {**NEAR, "world": {"gateways": GATEWAYS, "alike": ALIKE}}
+SMALL = 10, 4
+"""Gateways, and how many of them are alike; fewer in a small reproduction."""
+
 ROUTE, TRAINING = "route-1", 1
 AFTER = 3
 """Gateways the filter has met, set down anywhere, when it must know where it is."""
@@ -29,8 +33,11 @@ LIKE = NAMES.index("RIGHT OPENING")
 
 def scale(shop: Workshop, seed: int) -> Outcome:
     """C9: one guided traversal is the map; on the test every gateway alone, and after three."""
-    learned, test = traversals(shop, seed, choice(), [ROUTE], (TRAINING, TEST), FIFTY)
-    likelihood, own, built = _seen(shop, seed, learned, test)
+    count, like = SMALL if shop.small else (GATEWAYS, ALIKE)
+    tables: Tables = {**NEAR, "world": {"gateways": count, "alike": like}}
+    learned, test = traversals(shop, seed, choice(), [ROUTE], (TRAINING, TEST), tables)
+    log = shop.log(job(seed, ROUTE, TRAINING, tables))
+    likelihood, own, built = _seen(log, learned, test)
     rows = np.flatnonzero(own >= 0)
     alike = rows[np.array([test.run.table.records["type"][row] == LIKE for row in rows], bool)]
     single = told_apart("scale_alone", likelihood[rows], own[rows])
@@ -41,15 +48,14 @@ def scale(shop: Workshop, seed: int) -> Outcome:
     ]
     found = int((learned.survey.partner >= 0).sum())
     metrics.append(rate("scale_learned", found, len(learned.survey.truth)))
-    facts = {"preset": "paper", "gateways": GATEWAYS, "alike": ALIKE, "guided traversals": 1}
+    facts = {"preset": "paper", "gateways": count, "alike": like, "guided traversals": 1}
     return Outcome(metrics, (), facts)
 
 
 def _seen(
-    shop: Workshop, seed: int, learned: Traversal, test: Traversal
+    log: Path, learned: Traversal, test: Traversal
 ) -> tuple[FloatArray, NDArray[np.int64], BuiltMap]:
     """Likelihood of every place at every query (Q, P); the column of its own, -1 none; the map."""
-    log = shop.log(job(seed, ROUTE, TRAINING, FIFTY))
     _, built = make_map(
         learned.run, [log], guided=True, close_loops=False, advance=lambda done: None
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fpnav.experiments.kortenkamp import detection, recognition, scenes, types
+from fpnav.experiments.kortenkamp import changes, detection, recognition, scale, scenes, types
 from fpnav.experiments.study import Study
 from fpnav.report.study import Claim, Heading
 
@@ -29,6 +29,8 @@ HEADING = Heading(
         "C6": "A gateway misread",
         "C7": "From match percentages to likelihoods",
         "C8": "All types of gateways",
+        "C9": "Fifty gateways, ten alike",
+        "C10": "A door closed since training",
     },
 )
 
@@ -68,6 +70,11 @@ CLAIMS = (
     Claim("C8", "type_accuracy_of_all", "25 types classified right", "25 identified", least=0.95,
           meaning="of all there are, one of each type a world; not found counts as wrong"),
     Claim("C8", "types_told", "types told at least once in each world", "", least=0.95),
+    Claim("C9", "scale_alone", "fifty gateways, each alone", "will not hold up"),
+    Claim("C9", "scale_after_3", "after three of them", "a handful of possibilities", least=0.95,
+          meaning="filter over the map, set down anywhere before"),
+    Claim("C10", "closed_combined", "C walled up: the others are told", "", least=0.95),
+    Claim("C10", "closed_by_counting", "by counting gateways instead", "dangerous"),
 )  # fmt: skip
 
 STUDY = Study(
@@ -82,6 +89,9 @@ STUDY = Study(
         "C6": recognition.sonar_error,
         "C7": recognition.normalisation,
         "C8": types.types,
+        "C9": scale.scale,
+        "C10": changes.closed_door,
     },
     together={"C1": detection.together, "C8": types.together},
+    most={"C9": 3},
 )
