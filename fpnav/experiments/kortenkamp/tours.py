@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fpnav.errors import TruthError
 from fpnav.evaluation.gateways import Gateways, Survey, gateways_met, surveyed
 from fpnav.execution.walk import Run, SystemChoice
 from fpnav.experiments.workshop import Workshop, job_of
@@ -88,6 +89,7 @@ def found_in(run: Run) -> Gateways:
 
 def _centre(signature: Signature) -> Pose2:
     record, truth = signature.record, signature.reference.truth
-    assert truth is not None
+    if truth is None:
+        raise TruthError("gateways are placed by the true pose of the robot; the log has none")
     seen = Pose2(float(record["x_m"]), float(record["y_m"]), float(record["axis_rad"]))
     return compose(truth, seen)
