@@ -22,6 +22,7 @@ def test_every_route_of_every_world_has_a_line_or_a_like_one() -> None:
     shown = {(words[2], words[4]) for words in map(shlex.split, LINES)}
     alike = {("office", f"loop-{k}") for k in range(2, 6)}
     alike |= {("gateways", "route-2"), ("gateways", "route-3")}
+    alike |= {("gateway_types", f"type-{k:02d}") for k in range(1, 26)}
     known = {(world, route) for world, routes in WORLDS.items() for route in routes}
     assert shown | alike == known
 
