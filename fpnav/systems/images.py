@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from fpnav.params import NotNegative, Params, Share
 from fpnav.sensing import panorama
 from fpnav.systems.base import (
+    BY_PLACES,
     Features,
     MapRule,
     Memory,
@@ -69,6 +70,7 @@ class ImageSystem:
     NAME: ClassVar[str]
     SUMMARY: ClassVar[str]
     NEEDS: ClassVar[Needs] = Needs(CAMERA_ROLES, (CAMERA_ROLES,))
+    POLICY: ClassVar[str] = BY_PLACES
     PARAMS: ClassVar[type[Params]] = ImageParams
     LATE: ClassVar[frozenset[str]] = IMAGE_LATE
     PRESETS: ClassVar[Mapping[str, Params]]

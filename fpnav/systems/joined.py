@@ -19,6 +19,7 @@ from fpnav.errors import StoreError, UsageError
 from fpnav.matching.ranking import ranked
 from fpnav.params import Params
 from fpnav.systems.base import (
+    BY_PLACES,
     Features,
     MapRule,
     Memory,
@@ -43,6 +44,7 @@ class Joined:
     NAME: ClassVar[str]
     SUMMARY: ClassVar[str]
     NEEDS: ClassVar[Needs]
+    POLICY: ClassVar[str] = BY_PLACES
     PARAMS: ClassVar[type[Params]]
     LATE: ClassVar[frozenset[str]]
     PRESETS: ClassVar[Mapping[str, Params]]
