@@ -160,6 +160,8 @@ def image_of(
     """Payload of an Image or CompressedImage, checked but not decoded; raises Damaged."""
     payload: EncodedImage | UncompressedImage
     if type_name == COMPRESSED_IMAGE:
+        if "compressedDepth" in str(message.format):
+            raise Damaged("E404", "compressed depth is no picture; name a topic of a camera")
         payload = EncodedImage(bytes(message.data), source, calibration)
     else:
         shape = RawShape(

@@ -123,7 +123,8 @@ def _unset(stamps: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Stamps left at zero; a clock that starts with the log may well begin there."""
     zero = np.asarray(stamps == 0, dtype=np.bool_)
     after = stamps[~zero]
-    if len(after) == 0 or int(after.min()) < timing.JUMP_NS:
+    soon = max(timing.JUMP_NS, 10 * np.nan_to_num(timing.median_period(after)))
+    if len(after) == 0 or int(after.min()) < soon:
         zero &= np.cumsum(~zero) > 0
     return zero
 

@@ -341,6 +341,15 @@ def test_b6_a_few_zero_stamps_are_skipped(target: Path) -> None:
         assert count(log) == {"E203": 1}
 
 
+def test_b6_a_slow_clock_that_begins_at_zero_loses_nothing(target: Path) -> None:
+    def fill(writer: LogWriter) -> None:
+        for i in range(5):
+            writer.scan(i * 3 * 10**9, scan(range_m=1.0 + i))
+
+    with open_log(write_log(target, fill), strict=True) as log:
+        assert ranges(log) == [1, 2, 3, 4, 5]
+
+
 def test_b6_mostly_zero_stamps_make_the_log_go_by_log_time(target: Path) -> None:
     write_log(target, scans([-START_NS] * 4, [i * STEP_NS for i in range(4)]))
     with open_log(target, strict=True) as log:
