@@ -29,14 +29,14 @@ _IMAGE_BYTES = 200_000
 _STEP_NS = 100_000_000
 
 
-def write(path: Path, megabytes: int, compression: str) -> int:
+def write(path: Path, megabytes: int, compression: str, image_bytes: int = _IMAGE_BYTES) -> int:
     """Write a log of about this size; returns the number of scans in it."""
     noise = np.random.default_rng(7)
     scans = 0
     with open(path, "wb") as stream, LogWriter(stream, compression=compression) as writer:
-        for frame in range(max(1, megabytes * 1_000_000 // (_IMAGE_BYTES + 5_000))):
+        for frame in range(max(1, megabytes * 1_000_000 // (image_bytes + 7_000))):
             stamp_ns = (frame + 1) * _STEP_NS
-            writer.image("panorama", stamp_ns, noise.bytes(_IMAGE_BYTES))
+            writer.image("panorama", stamp_ns, noise.bytes(image_bytes))
             for topic, beams in zip(TOPICS, BEAMS, strict=True):
                 ranges = noise.uniform(0.5, 20.0, beams).astype(np.float32)
                 scan = LaserScan(ranges, -np.pi, 2 * np.pi / beams, 0.1, 30.0)
@@ -92,11 +92,14 @@ def main(arguments: list[str] | None = None) -> None:
     )
     parser.add_argument("--megabytes", type=int, default=1000)
     parser.add_argument("--compression", choices=["none", "lz4", "zstd"], default="none")
+    parser.add_argument(
+        "--image-bytes", type=int, default=_IMAGE_BYTES, help="size of a panorama among the scans"
+    )
     parser.add_argument("--rounds", type=int, default=3)
     given = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "drive.mcap"
-        scans = write(path, given.megabytes, given.compression)
+        scans = write(path, given.megabytes, given.compression, given.image_bytes)
         runs: dict[str, list[float]] = {name: [] for name in READINGS}
         for _ in range(given.rounds):
             for name, read in READINGS.items():
