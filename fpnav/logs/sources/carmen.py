@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fpnav.errors import LogError
+from fpnav.errors import LogError, LossError
 from fpnav.geometry import relative
 from fpnav.logs.carmen_lines import FARTHEST_M, WORDS, Line, parse
 from fpnav.logs.ledger import InputFile, Ledger
@@ -61,6 +61,8 @@ def read(paths: Sequence[Path], options: SourceOptions, ledger: Ledger) -> Itera
         facts = text_facts(path)
         ledger.inputs.append(facts)
         survey = _survey(path, facts)
+        if survey.scans == 0 and facts.damage:
+            raise LossError(f"{path}: {facts.damage}; no scan is left")
         if survey.scans == 0:
             raise LogError(f"{path}: E206 no FLASER or ROBOTLASER1 line; nothing to recognise by")
         as_truth = options.poses == "truth" or (options.poses == "auto" and survey.corrected)

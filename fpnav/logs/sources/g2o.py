@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
 
-from fpnav.errors import LogError
+from fpnav.errors import LogError, LossError
 from fpnav.geometry import compose
 from fpnav.logs.carmen_lines import parse
 from fpnav.logs.ledger import InputFile, Ledger
@@ -53,6 +53,8 @@ def read(paths: Sequence[Path], options: SourceOptions, ledger: Ledger) -> Itera
         facts = text_facts(path)
         ledger.inputs.append(facts)
         graph = _graph(path, facts, ledger)
+        if graph.scans == 0 and facts.damage:
+            raise LossError(f"{path}: {facts.damage}; no scan is left")
         if graph.scans == 0:
             raise LogError(f"{path}: E206 no ROBOTLASER1 line; a graph without scans has no places")
         yield from _items(path, facts, graph, options, ledger)
