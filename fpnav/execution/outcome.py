@@ -35,7 +35,7 @@ def make_result(
 ) -> Result:
     """Result of a run; the readable signature of each query is kept for the report."""
     return Result(
-        header=header,
+        header={**header, "summary": system.SUMMARY},
         queries=queries.references,
         references=references.references,
         owner=owner,

@@ -92,6 +92,7 @@ def picture_of(name: str, title: str, caption: str, drawing: Drawing) -> Picture
     """A drawing as it is published."""
     svg, png = as_svg(drawing.figure), as_png(drawing.figure)
     shape = drawing.wide, drawing.whole
+    caption = f"{caption} {drawing.note}".rstrip()
     return Picture(name, title, caption, drawing.alt, *shape, svg, png)
 
 

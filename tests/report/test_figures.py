@@ -47,6 +47,18 @@ def test_a_figure_is_drawn_of_the_results_that_have_it(
     assert all(len(drawing.alt) > 20 for drawing in made.values() if drawing is not None)
 
 
+def test_the_letters_of_a_signature_are_explained_where_the_result_says_what_they_are() -> None:
+    run = office_run("match", step_m=1.0)
+    told = replace(run, header={**run.header, "summary": "corners c and edges v"})
+    with styled():
+        first, second = (
+            PLOTS["strips"].draw(entry) for entry in entries_of([("a", run), ("b", told)])
+        )
+    assert first is not None
+    assert second is not None
+    assert (first.note, second.note) == ("", "Corners c and edges v.")
+
+
 def test_walls_of_a_simulated_world_are_drawn_under_the_run() -> None:
     world = {"rooms": [], "doors": [], "changes": [], "walls": [[-1, -1, 40, -1], [-1, 9, 40, 9]]}
     run = office_run("match", step_m=1.0)

@@ -38,7 +38,10 @@ def draw(entry: Entry) -> Drawing | None:
     axis.grid(False)
     axis.spines[:].set_visible(False)
     example = f"place {view.place_ids[rows[0]]} reads {view.strips[rows[0]][:_LONGEST]}"
-    return Drawing(figure, f"Signatures of {len(rows)} places as strings; {example}.", wide=True)
+    words = f"Signatures of {len(rows)} places as strings; {example}."
+    summary = str(entry.result.header.get("summary", ""))
+    note = f"{shown(summary[:1].upper() + summary[1:], 200)}." if summary else ""
+    return Drawing(figure, words, wide=True, note=note)
 
 
 def _tints(strips: Sequence[str]) -> dict[str, str]:

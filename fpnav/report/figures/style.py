@@ -66,13 +66,15 @@ class Drawing:
     """A finished figure and what it shows in words, for those who cannot see it.
 
     ``wide`` : it takes the whole width of the page, and is moved sideways on a phone; ``whole`` :
-    it is made smaller there than other wide ones, to be seen nearly as a whole.
+    it is made smaller there than other wide ones, to be seen nearly as a whole. ``note`` stands
+    under it after the caption.
     """
 
     figure: Figure
     alt: str
     wide: bool = False
     whole: bool = False
+    note: str = ""
 
 
 @contextmanager

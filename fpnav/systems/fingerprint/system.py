@@ -30,7 +30,10 @@ class Fingerprint:
     """Circular strings of corners, vertical edges and colours, aligned with uncertainty."""
 
     NAME: ClassVar[str] = "fingerprint"
-    SUMMARY: ClassVar[str] = "circular strings of corners, vertical edges and hues (Tapus et al.)"
+    SUMMARY: ClassVar[str] = (
+        "circular strings of corners c, vertical edges v, both at once f, hues A to P and empty "
+        "space n (Tapus et al.)"
+    )
     NEEDS: ClassVar[Needs] = Needs(("scan", *CAMERA_ROLES), (("scan", *CAMERA_ROLES),))
     PARAMS: ClassVar[type[Params]] = FingerprintParams
     LATE: ClassVar[frozenset[str]] = LATE
