@@ -68,6 +68,7 @@ def page(name: str, route: str, roles: tuple[str, ...], at: tuple[float, ...]) -
     draw_plan(plan_axes, world_of(job.setting))
     draw_route(plan_axes, track, [track.pose_at(float(times[i])) for i in moments])
     plan_axes.set_title(f"{name}, seed 1: {route}, {track.travelled_m[-1]:.0f} m", fontsize=10)
+    legend_below(plan_axes)
     pose = track.pose_at(float(times[moments[1]]))
     draw_ranges(figure.add_subplot(grid[len(at), 1]), job, pose, taken[1])
     save(figure, HERE / f"{name}.jpg")
@@ -110,18 +111,25 @@ def draw_plan(axes: Axes, world: World) -> None:
     for space in world.spaces if world.blocks else ():
         x, y = (space.x0, space.x1, space.x1, space.x0), (space.y0, space.y0, space.y1, space.y1)
         axes.fill(x, y, facecolor="none", edgecolor="0.15", lw=0.8)
-    for door in world.doors:
-        tone = "tab:green" if door.open else "tab:red"
-        axes.plot(door.x_m, door.y_m, "s", color=tone, ms=4)
+    for is_open, tone, word in (
+        (True, "tab:green", "open door"),
+        (False, "tab:red", "closed door"),
+    ):
+        at = [(door.x_m, door.y_m) for door in world.doors if door.open == is_open]
+        if at:
+            axes.plot(*zip(*at, strict=True), "s", color=tone, ms=4, label=word)
     for gateway in {g.name: g for g in reversed(world.gateways)}.values():
         axes.annotate(gateway.name, (gateway.x_m, gateway.y_m), fontsize=11, weight="bold")
     axes.set_aspect("equal")
     axes.tick_params(labelsize=7)
+    axes.set_xlabel("x, m", fontsize=8)
+    axes.set_ylabel("y, m", fontsize=8)
 
 
 def draw_route(axes: Axes, track: Track, poses: list[Pose2]) -> None:
     """The way driven, and where the images were taken."""
-    axes.plot(track.poses[:, 0], track.poses[:, 1], color="tab:blue", lw=1.0)
+    axes.plot(track.poses[:, 0], track.poses[:, 1], color="tab:blue", lw=1.0, label="way driven")
+    axes.plot([], [], ">", color="tab:orange", label="images from top to bottom")
     for number, pose in enumerate(poses, 1):
         dx, dy = math.cos(pose.heading_rad), math.sin(pose.heading_rad)
         axes.quiver(pose.x_m, pose.y_m, dx, dy, color="tab:orange", scale=18, width=0.008, zorder=5)
@@ -142,13 +150,22 @@ def draw_ranges(axes: Axes, job: Job, pose: Pose2, readings: dict[str, Any]) -> 
     if "scan" in readings:
         scan: LaserScan = readings["scan"]
         points = transform_points(pose, scan.points_m())
-        axes.plot(points[:, 0], points[:, 1], ".", color="tab:red", ms=2.5)
+        axes.plot(points[:, 0], points[:, 1], ".", color="tab:red", ms=2.5, label="laser")
         reach = min(max(float(np.percentile(scan.ranges_m[scan.valid], 80)), 4.0), 40.0)
-    axes.plot(pose.x_m, pose.y_m, "o", color="tab:blue", ms=6)
+    axes.plot(pose.x_m, pose.y_m, "o", color="tab:blue", ms=6, label="robot")
     axes.set_xlim(pose.x_m - 1.3 * reach, pose.x_m + 1.3 * reach)
     axes.set_ylim(pose.y_m - 1.3 * reach, pose.y_m + 1.3 * reach)
     shown = " and sonar" if "sonar" in readings else ""
     axes.set_title(f"scan{shown} at 2, over the plan", fontsize=10)
+    legend_below(axes)
+
+
+def legend_below(axes: Axes) -> None:
+    """Legend under the plan, where it hides nothing."""
+    axes.legend(
+        loc="upper left", bbox_to_anchor=(0.0, -0.09), ncols=4, fontsize=7.5, frameon=False,
+        borderaxespad=0.0, columnspacing=1.2,
+    )  # fmt: skip
 
 
 def draw_sonar(axes: Axes, pose: Pose2, ring: SonarRing) -> None:
@@ -161,6 +178,7 @@ def draw_sonar(axes: Axes, pose: Pose2, ring: SonarRing) -> None:
         radius = float(reading) if heard else ring.range_max_m
         tone = {"facecolor": "tab:cyan", "alpha": 0.18} if heard else {"fill": False, "alpha": 0.15}
         axes.add_patch(Wedge((start[0], start[1]), radius, middle - half, middle + half, **tone))
+    axes.add_patch(Wedge((0.0, 0.0), 0.0, 0.0, 0.0, facecolor="tab:cyan", alpha=0.3, label="sonar"))
 
 
 def save(figure: Figure, file: Path) -> None:
