@@ -122,17 +122,19 @@ def measured(found: Drives) -> Names:
     for name, describe, likeness in IMAGES:
         there, here = (np.stack([describe(view) for view in one]) for one in views)
         yield from of_likeness(name, found, likeness(here, there))
-    yield from of_strings("plain Needleman-Wunsch", found, make_system(PLAIN)[0])
-    yield from of_strings("fingerprint", found, found.runs[0].system)
-
-
-def of_strings(name: str, found: Drives, system: System) -> Names:
-    """Strings aligned under every rotation, with one string a place and with every string."""
+    plain = make_system(PLAIN)[0]
     for words, rows in kinds_of_view(found):
-        memory = system.memory()
-        for row in rows.tolist():
-            memory.learn(row, found.runs[0].table[row])
-        yield f"{name}, {words}", accuracy(found, found.owner[recalled(memory, found)])
+        yield f"plain Needleman-Wunsch, {words}", of_strings(plain, found, rows)
+    (words, middles), _ = kinds_of_view(found)
+    yield f"fingerprint, {words}", of_strings(found.runs[0].system, found, middles)
+
+
+def of_strings(system: System, found: Drives, rows: NDArray[np.int64]) -> Metric:
+    """Strings aligned with those of some mapping rows, under every rotation."""
+    memory = system.memory()
+    for row in rows.tolist():
+        memory.learn(row, found.runs[0].table[row])
+    return accuracy(found, found.owner[recalled(memory, found)])
 
 
 def recalled(memory: Memory, found: Drives) -> NDArray[np.int64]:

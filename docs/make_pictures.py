@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Wedge
+from matplotlib.transforms import ScaledTranslation
 
 from fpnav.geometry import transform_points
 from fpnav.sim.catalogue import Setting, default_rig
@@ -161,10 +162,13 @@ def draw_ranges(axes: Axes, job: Job, pose: Pose2, readings: dict[str, Any]) -> 
 
 
 def legend_below(axes: Axes) -> None:
-    """Legend under the plan, where it hides nothing."""
+    """Legend a line below the plan's own words, where it hides nothing."""
+    figure = axes.get_figure()
+    assert figure is not None
+    below = axes.transAxes + ScaledTranslation(0.0, -0.38, figure.dpi_scale_trans)
     axes.legend(
-        loc="upper left", bbox_to_anchor=(0.0, -0.09), ncols=4, fontsize=7.5, frameon=False,
-        borderaxespad=0.0, columnspacing=1.2,
+        loc="upper left", bbox_to_anchor=(0.0, 0.0), bbox_transform=below, ncols=4, fontsize=7.5,
+        frameon=False, borderaxespad=0.0, columnspacing=1.2,
     )  # fmt: skip
 
 
