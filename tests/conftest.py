@@ -32,7 +32,7 @@ def data() -> Path:
     folder = (ROOT / os.environ.get("FPNAV_DATA", "../shared/data")).resolve()
     if not folder.is_dir():
         pytest.skip(f"no recordings: FPNAV_DATA or {folder.name}/ is absent")
-    return folder.resolve()
+    return folder
 
 
 @pytest.fixture(scope="session")
