@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from fpnav.errors import LogError
 from fpnav.mapping.loops import LoopParams, close_loops
 from fpnav.mapping.places import learned, make_edges, make_places, runs_of
-from fpnav.mapping.segment import resolve_threshold
+from fpnav.mapping.segment import change_points, resolve_threshold
 from fpnav.systems.base import Memory, System, Trace
 from fpnav.topomap.graph import TopoMap
 from fpnav.values import FloatArray, Signature
@@ -67,17 +67,29 @@ def build_map(
         novelty, owner = np.full(len(signatures), np.nan), places_by_label(signatures)
         advance(len(signatures))
     else:
-        threshold = resolve_threshold(system.rule, lambda: consecutive_novelty(system, signatures))
-        novelty, owner = walk(system, signatures, threshold, advance)
-        owner = absorb_small(system, signatures, owner, system.rule.min_observations)
+        unlike = resolve_threshold(system.rule, lambda: consecutive_novelty(system, signatures))
+        novelty, owner, threshold = _opened(system, signatures, unlike, advance)
         if loops is not None:
-            owner, merged = close_loops(system, signatures, owner, threshold, loops)
+            owner, merged = close_loops(system, signatures, owner, unlike, loops)
     places = [
         replace(place, merged_from=merged.get(place.id, ()))
         for place in make_places(signatures, owner)
     ]
     topomap = TopoMap.of(places, make_edges(signatures, owner))
     return Built(topomap, learned(system, signatures, owner), novelty, threshold)
+
+
+def _opened(
+    system: System, signatures: Sequence[Signature], unlike: float, advance: Advance
+) -> tuple[FloatArray, NDArray[np.int64], float]:
+    """The open chain of places: novelty, owners, and what the novelty was compared with."""
+    rule = system.rule
+    if rule.window > 0:
+        novelty, owner = change_points(system, signatures, rule)
+        advance(len(signatures))
+        return novelty, owner, rule.penalty
+    novelty, owner = walk(system, signatures, unlike, advance)
+    return novelty, absorb_small(system, signatures, owner, rule.min_observations), unlike
 
 
 def consecutive_novelty(system: System, signatures: Sequence[Signature]) -> FloatArray:

@@ -1,22 +1,34 @@
-"""Coming back the way one went: a stay next to a known place may be that place again.
+"""Coming back the way one went: what is seen where the robot already was belongs to that place.
 
-A robot that leaves an office passes the piece of corridor it came from. Two belief peaks cannot
-show that, since nothing is old yet; but the map itself says what lies next to the last place, and
-over a few metres odometry says whether the robot is back there.
+A robot that leaves an office drives over the ground it came in by. Two belief peaks cannot show
+that, since nothing is old yet; but over a few metres odometry says where the robot was before, and
+what it sees there must look the same. Otherwise one spot would belong to two places, the one of
+the way in and the one of the way out, and nobody could say which of them a robot on it is in.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fpnav.geometry import distance
 from fpnav.mapping.places import runs_of
 from fpnav.systems.base import System
-from fpnav.values import Signature
+from fpnav.values import FloatArray, Reference, Signature
+
+BACK_M = 2.0
+"""Least path between two passings: less is the same passing."""
+
+FAR_M = 25.0
+"""Most path between them that odometry is trusted over; beyond it loops are closed by belief."""
+
+ASKED = 3
+"""Earlier signatures looked at before the ground counts as new."""
+
+STAY_M = 0.5
+"""Stays shorter than this, left over between returns, join the stay before them."""
 
 
 def merge_returns(
@@ -28,11 +40,10 @@ def merge_returns(
     reach_m: float,
     drift: float,
 ) -> NDArray[np.int64]:
-    """Owners with every stay joined to the neighbouring place it returns to.
+    """Owners with every signature on known ground given to the place that was there first.
 
-    A stay returns to a place that has an edge with the place before it, when a signature of its
-    own and one of the place's stand within ``reach_m`` plus ``drift`` of the path between them, by
-    odometry, and are less dissimilar than the threshold. Of several the most alike counts. Without
+    A signature returns to the nearest earlier one, by odometry, that lies within ``reach_m`` plus
+    ``drift`` of the path between them and is less dissimilar than the threshold. Without
     odometry nothing returns.
 
     Parameters
@@ -40,59 +51,66 @@ def merge_returns(
     owner : (N,) place of each signature
     threshold : dissimilarity within a place
     """
+    references = [signature.reference for signature in signatures]
+    xy, travelled, session = _columns(references)
     out = owner.copy()
-    near: dict[int, set[int]] = {}
-    members: dict[int, list[int]] = {}
-    last = -1
-    for stay in runs_of([signature.reference for signature in signatures], owner):
-        place = int(owner[stay[0]])
-        same_session = last >= 0 and _session(signatures, stay[0] - 1) == _session(
-            signatures, stay[0]
-        )
-        if same_session and place not in members:
-            known = sorted(near.get(last, set()) - {last})
-            found = [
-                (_alike(system, signatures, stay, members[other], reach_m, drift), -other)
-                for other in known
-            ]
-            best = max(found, default=(0.0, 0))
-            place = -best[1] if best[0] >= 1.0 - threshold else place
-        out[stay] = place
-        members.setdefault(place, []).extend(int(row) for row in stay)
-        if same_session and last != place:
-            near.setdefault(last, set()).add(place)
-            near.setdefault(place, set()).add(last)
-        last = place
-    return out
+    for row in range(len(out)):
+        for before in _passed(row, xy, travelled, session, reach_m, drift)[:ASKED].tolist():
+            if system.similarity(signatures[row], signatures[before]) > 1.0 - threshold:
+                out[row] = out[before]
+                break
+    return _settled(references, out)
 
 
-def _session(signatures: Sequence[Signature], row: int) -> int:
-    return signatures[int(row)].reference.session
+def _columns(references: Sequence[Reference]) -> tuple[FloatArray, FloatArray, NDArray[np.int64]]:
+    poses = [reference.odometry for reference in references]
+    nowhere = (np.nan, np.nan)
+    xy = np.array([nowhere if pose is None else (pose.x_m, pose.y_m) for pose in poses])
+    travelled = np.array([reference.travelled_m for reference in references])
+    return xy, travelled, np.array([reference.session for reference in references])
 
 
-def _alike(
-    system: System,
-    signatures: Sequence[Signature],
-    stay: NDArray[np.int64],
-    members: Sequence[int],
+def _passed(
+    row: int,
+    xy: FloatArray,
+    travelled: FloatArray,
+    session: NDArray[np.int64],
     reach_m: float,
     drift: float,
-) -> float:
-    """Similarity of the nearest pair of a stay and a place; 0 where none is near enough."""
-    pairs = [
-        (_apart(signatures[int(mine)], signatures[theirs], drift), int(mine), theirs)
-        for mine in stay
-        for theirs in members
+) -> NDArray[np.int64]:
+    """Earlier signatures on the same ground, the nearest first."""
+    path = travelled[row] - travelled[:row]
+    away = np.hypot(*(xy[:row] - xy[row]).T)
+    with np.errstate(invalid="ignore"):
+        known = (path >= BACK_M) & (path <= FAR_M) & (session[:row] == session[row])
+        near = known & (away <= reach_m + drift * path)
+    rows = np.flatnonzero(near)
+    return rows[np.argsort(away[rows], kind="stable")]
+
+
+def _settled(references: Sequence[Reference], owner: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Owners with the scraps between returns given to the stay before them, the shortest first."""
+    out = owner.copy()
+    while True:
+        stays = runs_of(references, out)
+        scraps = [
+            (length, number)
+            for number, length in enumerate(_lengths(references, stays))
+            if length < STAY_M
+            and number > 0
+            and references[stays[number][0]].session == references[stays[number - 1][0]].session
+        ]
+        if not scraps:
+            return out
+        _, number = min(scraps)
+        out[stays[number]] = out[stays[number - 1][0]]
+
+
+def _lengths(references: Sequence[Reference], stays: Sequence[NDArray[np.int64]]) -> list[float]:
+    """Path from where each stay begins to where the next begins; inf at the end of a session."""
+    firsts = [references[stay[0]] for stay in stays]
+    lengths = [
+        b.travelled_m - a.travelled_m if a.session == b.session else np.inf
+        for a, b in pairwise(firsts)
     ]
-    apart, mine, theirs = min(pairs)
-    if not apart <= reach_m:
-        return 0.0
-    return system.similarity(signatures[mine], signatures[theirs])
-
-
-def _apart(first: Signature, second: Signature, drift: float) -> float:
-    """Metres between two signatures by odometry beyond what drift explains; inf if unknown."""
-    a, b = first.reference, second.reference
-    if a.odometry is None or b.odometry is None:
-        return math.inf
-    return distance(a.odometry, b.odometry) - drift * abs(a.travelled_m - b.travelled_m)
+    return [*(length if np.isfinite(length) else np.inf for length in lengths), np.inf]

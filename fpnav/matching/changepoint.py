@@ -1,8 +1,9 @@
 """Where a stream of views changes: penalised segmentation by exact dynamic programming.
 
-The cost of a segment is its scatter in the space of the similarity taken as a kernel: its length
-less the mean of its similarities times its length (kernel change-point detection; Harchaoui and
-Cappe 2007, Arlot, Celisse and Harchaoui 2019).
+Views of a stream grow unlike with the distance between them, change or no change. What tells a
+change is that the views just before and just after a border are less alike than views of the
+stream that far apart usually are. The cost of a segmentation is a penalty for each border less
+what is gained there; the cheapest one is found exactly.
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ def similarity_band(
 ) -> FloatArray:
     """Similarities of each view with those that follow it, (count, longest).
 
-    Entry [i, d] compares i with i + d; 1 for d = 0, 0 past the end.
+    Entry [i, d] compares i with i + d; 1 for d = 0, NaN past the end.
     """
-    band = np.zeros((count, max(1, min(longest, count))))
+    band = np.full((count, max(1, longest)), np.nan)
     for i in range(count):
         band[i, 0] = 1.0
         for d in range(1, min(band.shape[1], count - i)):
@@ -30,82 +31,56 @@ def similarity_band(
     return band
 
 
-def segment_by_penalty(band: FloatArray, penalty: float, least: int = 1) -> NDArray[np.int64]:
-    """First view of every segment of the segmentation of least cost plus penalty per segment.
+def contrast(band: FloatArray) -> FloatArray:
+    """How much less alike the views on the two sides of each border are than usual, (N,).
+
+    Entry t is the mean over all pairs i < t <= i + d of ``band`` (N, W + 1) of the usual
+    similarity of views d apart, the mean of the stream, less theirs. 0 for the first view, before
+    which there is nothing.
+    """
+    count, width = band.shape
+    seen = np.isfinite(band)
+    usual = np.where(seen, band, 0.0).sum(axis=0) / np.maximum(seen.sum(axis=0), 1)
+    less = np.where(seen, usual - band, 0.0)
+    total, pairs = np.zeros(count + 1), np.zeros(count + 1)
+    for d in range(1, width):
+        for back in range(d):  # the border stands ``back + 1`` views after the first of the pair
+            stop = count - back - 1
+            total[back + 1 : count] += less[:stop, d]
+            pairs[back + 1 : count] += seen[:stop, d]
+    return np.asarray((total / np.maximum(pairs, 1.0))[:count])
+
+
+def segment_by_contrast(gains: FloatArray, penalty: float, least: int) -> NDArray[np.int64]:
+    """First view of every segment: the borders whose gain less the penalty adds up to most.
 
     Parameters
     ----------
-    band : (N, longest) as from ``similarity_band``; no segment is longer than its width
-    penalty : what one more segment must save
-    least : views in the shortest segment; the last may be shorter where nothing else fits
+    gains : (N,) as from ``contrast``
+    penalty : what a border must gain at least
+    least : views in the shortest segment but the last
 
     Returns
     -------
-    (S,) increasing, from 0; of equal segmentations the one with the longer last segments.
+    (S,) increasing, from 0; of equal segmentations the one with fewer and earlier borders.
     """
-    count = len(band)
-    within = _row_sums(band)
-    best = np.full(count + 1, np.inf)
-    best[0] = -penalty
-    start = np.zeros(count + 1, dtype=np.int64)
-    for stop in range(1, count + 1):
-        first, costs = _costs_ending(within, stop)
-        total = best[first:stop] + costs + penalty
-        total = _barred(total, first, stop, count, least)
-        start[stop] = first + int(np.argmin(total))
-        best[stop] = total.min()
-    starts, stop = [], count
-    while stop > 0:
-        stop = int(start[stop])
-        starts.append(stop)
-    return np.array(starts[::-1], dtype=np.int64)
-
-
-def segment_by_count(band: FloatArray, segments: int, least: int = 1) -> NDArray[np.int64]:
-    """First view of every segment of the cheapest segmentation into so many.
-
-    As few more as needed are made where segments as long as the band cannot cover the stream, as
-    few less where ``least`` leaves no room.
-    """
-    count = len(band)
-    within = _row_sums(band)
-    most = max(1, min(segments, count // max(1, least)))
-    fewest = -(-count // band.shape[1]) if count else 1
-    rounds = max(most, fewest)
-    best = np.full((rounds + 1, count + 1), np.inf)
-    best[0, 0] = 0.0
-    start = np.zeros((rounds + 1, count + 1), dtype=np.int64)
-    for stop in range(1, count + 1):
-        first, costs = _costs_ending(within, stop)
-        costs = _barred(costs, first, stop, count, least)
-        total = best[:-1, first:stop] + costs[None]
-        start[1:, stop] = first + np.argmin(total, axis=1)
-        best[1:, stop] = total.min(axis=1)
-    possible = np.flatnonzero(np.isfinite(best[:, count]))
-    used = int(possible[np.abs(possible - most).argmin()]) if count else 0
-    starts, stop = [], count
-    for segment in range(used, 0, -1):
-        stop = int(start[segment, stop])
-        starts.append(stop)
-    return np.array(starts[::-1], dtype=np.int64)
-
-
-def _row_sums(band: FloatArray) -> FloatArray:
-    """[i, d]: similarity of i with itself plus twice that with i + 1 .. i + d."""
-    return np.asarray(2.0 * np.cumsum(band, axis=1) - band[:, :1])
-
-
-def _costs_ending(within: FloatArray, stop: int) -> tuple[int, FloatArray]:
-    """Cost of every segment [s, stop), s from ``first``, by length no more than the band."""
-    first = max(0, stop - within.shape[1])
-    rows = np.arange(first, stop)
-    sums = np.cumsum(within[rows, stop - 1 - rows][::-1])[::-1]
-    length = stop - rows
-    return first, np.asarray(length - sums / length)
-
-
-def _barred(total: FloatArray, first: int, stop: int, count: int, least: int) -> FloatArray:
-    """Costs with segments shorter than ``least`` ruled out, unless they end the stream."""
-    length = stop - np.arange(first, stop)
-    short = length < (least if stop < count else 1)
-    return np.where(short, np.inf, total)
+    count, least = len(gains), max(1, least)
+    if count == 0:
+        return np.zeros(0, dtype=np.int64)
+    best = np.zeros(count)  # most gained by borders up to each view
+    taken = np.zeros(count, dtype=bool)
+    for t in range(1, count):
+        best[t] = best[t - 1]
+        if t < least:
+            continue
+        with_border = best[t - least] + gains[t] - penalty
+        if with_border > best[t] + 1e-12:
+            best[t], taken[t] = with_border, True
+    borders, t = [], count - 1
+    while t > 0:
+        if taken[t]:
+            borders.append(t)
+            t -= least
+        else:
+            t -= 1
+    return np.array([0, *borders[::-1]], dtype=np.int64)

@@ -50,11 +50,15 @@ class MapRule:
 
     ``threshold`` is a number, ``auto`` (the quantile of consecutive novelties that gives
     ``nodes`` places) or ``otsu`` (the valley of their histogram, limited to 0.3 .. 0.8).
+    With a ``window`` > 0 places are cut offline instead, where the ``window`` signatures before and
+    after are less alike than usual by ``penalty``; the threshold then only says what is unlike.
     """
 
     threshold: float | Literal["auto", "otsu"]
     nodes: int = 0
     min_observations: int = 2
+    window: int = 0
+    penalty: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

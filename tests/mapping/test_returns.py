@@ -70,10 +70,24 @@ def test_a_long_way_back_is_merged_place_by_place() -> None:
     assert merged(way, list(range(7))) == [0, 1, 2, 3, 2, 1, 0]
 
 
-def test_only_places_next_to_the_last_one_are_returned_to() -> None:
-    looks, where = [0, 1, 2, 0], [0.0, 1.0, 2.0, 0.0]
+def test_part_of_a_stay_returns_and_the_rest_stays() -> None:
+    looks = [0, 0, 0, 1, 1, 1, 1, 0, 0]
+    where = [0.0, 1.0, 2.0, 3.0, 4.0, 4.5, 3.0, 2.0, 1.0]
     way = [
         seen(row, x, look, travelled_m=float(row))
         for row, (x, look) in enumerate(zip(where, looks, strict=True))
     ]
-    assert merged(way, [0, 1, 2, 3]) == [0, 1, 2, 3]
+    assert merged(way, [0, 0, 0, 1, 1, 1, 2, 2, 2]) == [0, 0, 0, 1, 1, 1, 1, 0, 0]
+
+
+def test_odometry_is_not_trusted_over_a_long_way() -> None:
+    way = there_and_back()[:4]
+    way += [seen(4, 1.0, 0, travelled_m=40.0), seen(5, 0.0, 0, travelled_m=41.0)]
+    assert merged(way, [0, 0, 1, 1, 2, 2]) == [0, 0, 1, 1, 2, 2]
+
+
+def test_a_scrap_between_returns_joins_the_stay_before_it() -> None:
+    way = there_and_back()
+    way.insert(5, seen(9, 0.6, 7, travelled_m=4.6))
+    way[6] = seen(5, 0.5, 0, travelled_m=4.9)
+    assert merged(way, [0, 0, 1, 1, 2, 3, 2]) == [0, 0, 1, 1, 0, 0, 0]

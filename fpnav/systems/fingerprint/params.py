@@ -24,7 +24,9 @@ class FingerprintParams(Params, frozen=True):
     are open (half a circle, a forward camera) as they stand, from their right edge to their left.
     Places: ``compare`` with the previous fingerprint, the place's mean, or both (the larger
     dissimilarity); ``theta`` the largest dissimilarity within a place, or ``auto`` for ``nodes``
-    places, or ``otsu``; ``min_node_obs``. ``step_m`` least travel between fingerprints: the paper's
+    places, or ``otsu``; ``min_node_obs``. ``segment`` by that ``threshold`` as the robot drives, or
+    by ``changepoint`` over the whole run: where ``window`` fingerprints before and after are less
+    alike than usual by ``penalty``. ``step_m`` least travel between fingerprints: the paper's
     0.15 m less what wheels slip, so that a run recorded at 0.15 m is used whole.
     Mean: features nearer than ``merge_deg`` are one; after ``settle`` observations those under
     ``certainty_min`` are forgotten; ``features_max``. ``headings``: best places of a ranking whose
@@ -57,6 +59,9 @@ class FingerprintParams(Params, frozen=True):
     theta: float | Literal["auto", "otsu"] = 0.55
     nodes: int = 0
     min_node_obs: int = 2
+    segment: Literal["threshold", "changepoint"] = "threshold"
+    window: int = 6
+    penalty: float = 0.05
     step_m: float = 0.12
     step_heading_deg: float = 0.0
     merge_deg: float = 2.0
@@ -92,6 +97,9 @@ LATE = frozenset(
         "theta",
         "nodes",
         "min_node_obs",
+        "segment",
+        "window",
+        "penalty",
         "step_m",
         "step_heading_deg",
         "merge_deg",

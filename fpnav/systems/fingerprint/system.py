@@ -55,8 +55,11 @@ class Fingerprint:
 
     @property
     def rule(self) -> MapRule:
-        """New place where the dissimilarity passes theta."""
-        return MapRule(self._params.theta, self._params.nodes, self._params.min_node_obs)
+        """New place where the dissimilarity passes theta, or where the run changes."""
+        p = self._params
+        if p.segment == "changepoint":
+            return MapRule(p.theta, p.nodes, p.min_node_obs, p.window, p.penalty)
+        return MapRule(p.theta, p.nodes, p.min_node_obs)
 
     @property
     def thinning(self) -> Thinning:
