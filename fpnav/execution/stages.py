@@ -12,7 +12,7 @@ from fpnav.execution.outcome import make_result, no_view, result_header, view_of
 from fpnav.execution.walk import Run, is_store
 from fpnav.localization.confidence import Confidence, mapping_confidence
 from fpnav.localization.filter import FilterParams
-from fpnav.localization.locate import Method, locate
+from fpnav.localization.locate import Method, locate, recall_all
 from fpnav.localization.recognize import past_candidates, recognize
 from fpnav.mapping.build import build_map
 from fpnav.mapping.loops import LoopParams
@@ -91,6 +91,31 @@ def locate_run(
     StoreError
         The run's signatures were not made like the map's.
     """
+    found = locate_by(
+        system,
+        map_header,
+        built,
+        run,
+        methods=(method,),
+        tables=tables,
+        truth_file=truth_file,
+        advance=advance,
+    )
+    return found[0]
+
+
+def locate_by(
+    system: System,
+    map_header: Header,
+    built: BuiltMap,
+    run: Run,
+    *,
+    methods: Sequence[Method],
+    tables: Tables = NO_TABLES,
+    truth_file: Path | None = None,
+    advance: Advance = lambda done: None,
+) -> list[Result]:
+    """The same by several methods, each signature matched once."""
     check_same_signatures(map_header, run.header, ("the map", "the query"), system.LATE)
     params = resolve("filter", FilterParams(), tables)
     memory = system.memory()
@@ -100,36 +125,43 @@ def locate_run(
         np.inf if midpoint is None else midpoint, map_header["confidence"]["slope"]
     )
     queries, truth = with_truth(run.table, built.signatures, truth_file)
-    answers = locate(
-        system,
-        memory,
-        built.topomap,
-        built.signatures,
-        queries,
-        method=method,
-        params=params,
-        confidence=confidence,
-        depth=RANKS,
-        advance=advance,
-    )
-    protocol = {
-        "step_m": run.header["step_m"],
-        "step_heading_rad": run.header["step_heading_rad"],
-        "travelled_from": run.header["travelled_from"],
-        "filter": as_dict(params) if method is not Method.MATCH else None,
-    }
-    header = result_header(run.header, method=str(method), protocol=protocol, chain=[map_header])
-    return make_result(
-        system,
-        answers,
-        queries,
-        built.signatures,
-        header=header,
-        truth=truth,
-        owner=built.topomap.owner(len(built.signatures)),
-        candidates=np.full(len(queries), len(built.signatures)),
-        view=view_of_map(system, built),
-    )
+    recall = recall_all(memory, queries, len(built.topomap), None, advance)
+    results = []
+    for method in methods:
+        answers = locate(
+            system,
+            built.topomap,
+            built.signatures,
+            queries,
+            recall,
+            method=method,
+            params=params,
+            confidence=confidence,
+            depth=RANKS,
+        )
+        protocol = {
+            "step_m": run.header["step_m"],
+            "step_heading_rad": run.header["step_heading_rad"],
+            "travelled_from": run.header["travelled_from"],
+            "filter": as_dict(params) if method is not Method.MATCH else None,
+        }
+        header = result_header(
+            run.header, method=str(method), protocol=protocol, chain=[map_header]
+        )
+        results.append(
+            make_result(
+                system,
+                answers,
+                queries,
+                built.signatures,
+                header=header,
+                truth=truth,
+                owner=built.topomap.owner(len(built.signatures)),
+                candidates=np.full(len(queries), len(built.signatures)),
+                view=view_of_map(system, built),
+            )
+        )
+    return results
 
 
 def recognize_run(

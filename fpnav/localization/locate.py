@@ -93,25 +93,24 @@ def _recall_blocks(
 
 def locate(
     system: System,
-    memory: Memory,
     topomap: TopoMap,
     mapped: Sequence[Signature],
     queries: Sequence[Signature],
+    recall: Recall,
     *,
     method: Method,
     params: FilterParams,
     confidence: Confidence,
     depth: int,
-    advance: Advance,
 ) -> Answers:
     """Locate a run on a map.
 
     Parameters
     ----------
     mapped : the map's signatures, which the places' members index
+    recall : all places ranked for each query, as ``recall_all`` gives
     depth : ranks kept per query
     """
-    recall = recall_all(memory, queries, len(topomap), None, advance)
     if method is Method.MATCH:
         belief = np.zeros((len(queries), 0))
         ranked, stated = recall, confidence.stated(recall.scores[:, 0])

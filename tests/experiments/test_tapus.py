@@ -9,7 +9,7 @@ from fpnav.evaluation.calibration import calibration_error, skill
 from fpnav.execution.walk import Run, make_system
 from fpnav.experiments.registry import STUDIES, study_of
 from fpnav.experiments.tapus.beyond import _crossing, blinded, moved_apart
-from fpnav.experiments.tapus.office import choice, thinned
+from fpnav.experiments.tapus.office import choice, kidnapped, sampled
 from fpnav.store.signatures import collect
 from fpnav.store.tables import SignatureTable
 from fpnav.systems.fingerprint.record import record_of
@@ -42,8 +42,15 @@ def test_a_blinded_run_sees_nothing_on_the_last_metres_of_each_stretch() -> None
     assert (run.table.records["laser_width_rad"][sizes == 0] == 0.0).all()
 
 
-def test_a_thinned_run_keeps_every_nth_signature() -> None:
-    assert thinned(small_run(10), 4).table.references["index"].tolist() == [0, 4, 8]
+def test_a_sampled_run_keeps_its_ends_and_even_steps() -> None:
+    assert sampled(small_run(10), 4).table.references["index"].tolist() == [0, 3, 6, 9]
+    assert len(sampled(small_run(3), 40).table) == 3
+
+
+def test_a_kidnapped_run_is_all_of_it_in_another_order_and_its_path_counts_on() -> None:
+    moved = kidnapped(small_run(12, step_m=0.5), 2).table.references
+    assert moved["index"].tolist() == [0, 1, 2, 3, 8, 9, 10, 11, 4, 5, 6, 7]
+    assert moved["travelled_m"].tolist() == [0, 0.5, 1, 1.5, 1.5, 2, 2.5, 3, 3, 3.5, 4, 4.5]
 
 
 def test_a_falling_curve_crosses_between_its_points_or_at_its_end() -> None:

@@ -44,17 +44,18 @@ def answer(
     **params: Any,
 ) -> Answers:
     built = build(rows) if built is None else built
+    remembered = built.memory if memory is None else memory
+    recall = recall_all(remembered, queries, len(built.topomap), None, lambda done: None)
     return locate(
         Toy(),
-        built.memory if memory is None else memory,
         built.topomap,
         rows,
         queries,
+        recall,
         method=method,
         params=FilterParams(**params),
         confidence=SURE,
         depth=depth,
-        advance=lambda done: None,
     )
 
 

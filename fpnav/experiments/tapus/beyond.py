@@ -12,11 +12,9 @@ from numpy.typing import NDArray
 
 from fpnav.evaluation.calibration import calibration_error, skill
 from fpnav.evaluation.case import Case
-from fpnav.evaluation.evaluate import evaluate
-from fpnav.execution.stages import locate_run
 from fpnav.execution.walk import Run
 from fpnav.experiments.study import Outcome
-from fpnav.experiments.tapus.office import choice, mapping_log, test_log
+from fpnav.experiments.tapus.office import asked, choice, located, mapping_log, test_log
 from fpnav.experiments.workshop import Workshop
 from fpnav.localization.locate import Method
 from fpnav.report.figures import likeness
@@ -123,15 +121,13 @@ def moved_apart(signature: Signature, by_rad: float) -> Signature:
 def dark(shop: Workshop, seed: int) -> Outcome:
     """Belief by odometry alone: nothing is seen on the last metres of every stretch."""
     chosen = choice("default")
-    header, built = shop.map(mapping_log(shop, seed), chosen)
-    run = shop.run(test_log(shop, seed), chosen)
+    mapped = shop.map(mapping_log(shop, seed), chosen)
+    run = asked(shop, seed, chosen)
     metrics: list[Metric] = []
     for metres in DARK_M:
         unlit, last = blinded(run, metres)
-        result = locate_run(
-            run.system, header, built, unlit, method=Method.FILTER, advance=lambda done: None
-        )
-        metrics.append(_right_at(evaluate(result).case, last, f"dark_right_after_{metres:g}m"))
+        (found,) = located(unlit, mapped, Method.FILTER)
+        metrics.append(_right_at(found.case, last, f"dark_right_after_{metres:g}m"))
     third = next(metric for metric in metrics if metric.name == "dark_right_after_3m")
     metrics.append(replace(third, name="dark_right"))
     return Outcome(metrics, (), {"preset": "default", "stretch_m": DARK_EVERY_M})

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from fpnav.evaluation.evaluate import evaluate
 from fpnav.experiments.study import Outcome
 from fpnav.experiments.tapus import pictures
 from fpnav.experiments.tapus.office import (
+    JUMPS,
+    asked,
     choice,
     figures,
-    kidnapped_log,
+    kidnapped,
     located,
     mapping_log,
-    test_log,
 )
 from fpnav.experiments.workshop import Workshop
 from fpnav.localization.locate import Method
@@ -44,7 +44,7 @@ def matching_default(shop: Workshop, seed: int) -> Outcome:
 def _matching(shop: Workshop, seed: int, preset: str) -> Outcome:
     chosen = choice(preset)
     mapped = shop.map(mapping_log(shop, seed), chosen)
-    found = evaluate(located(shop, test_log(shop, seed), mapped, chosen, Method.MATCH))
+    (found,) = located(asked(shop, seed, chosen), mapped, Method.MATCH)
     metrics = figures(found, *ACCURACY, "heading_error_median_deg", "field_rho", "places", "ece")
     plan = pictures.located_plan(f"A3 {preset}", found)
     return Outcome(metrics, [plan], {"preset": preset, "samples": len(found.table)})
@@ -63,20 +63,21 @@ def belief_default(shop: Workshop, seed: int) -> Outcome:
 def _belief(shop: Workshop, seed: int, preset: str) -> Outcome:
     chosen = choice(preset)
     mapped = shop.map(mapping_log(shop, seed), chosen)
-    log = test_log(shop, seed)
-    filtered = evaluate(located(shop, log, mapped, chosen, Method.FILTER))
-    smoothed = evaluate(located(shop, log, mapped, chosen, Method.SMOOTH))
+    run = asked(shop, seed, chosen)
+    filtered, smoothed = located(run, mapped, Method.FILTER, Method.SMOOTH)
     metrics = [*figures(filtered, *BELIEF), *figures(smoothed, *BELIEF, suffix="_smooth")]
     shown = [pictures.belief_over_run(filtered), pictures.located_plan("By filter", filtered)]
     return Outcome(metrics, shown, {"preset": preset})
 
 
-def kidnapped(shop: Workshop, seed: int) -> Outcome:
+def set_down_elsewhere(shop: Workshop, seed: int) -> Outcome:
     """The robot set down elsewhere ten times: how soon does the belief know?"""
     metrics: list[Metric] = []
     for preset, suffix in (("paper", ""), ("default", "_default")):
         chosen = choice(preset)
         mapped = shop.map(mapping_log(shop, seed), chosen)
-        found = evaluate(located(shop, kidnapped_log(shop, seed), mapped, chosen, Method.FILTER))
+        jumps = 2 if shop.small else JUMPS
+        run = kidnapped(asked(shop, seed, chosen), jumps)
+        (found,) = located(run, mapped, Method.FILTER)
         metrics += figures(found, "kidnap_recovered_3m", "kidnap_recovery_m", suffix=suffix)
     return Outcome(metrics, (), {"preset": "paper", "belief": "filter"})

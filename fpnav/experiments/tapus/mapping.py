@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fpnav.evaluation.evaluate import Evaluation, evaluate
+from fpnav.evaluation.evaluate import Evaluation
 from fpnav.execution.walk import SystemChoice
 from fpnav.experiments.study import Outcome
 from fpnav.experiments.tapus import pictures
-from fpnav.experiments.tapus.office import choice, figures, located, loop_log, mapping_log
+from fpnav.experiments.tapus.office import (
+    choice,
+    figures,
+    located,
+    loop_log,
+    mapping_log,
+    sampled,
+)
 from fpnav.experiments.workshop import Workshop
 from fpnav.localization.locate import Method
 from fpnav.values import Metric
@@ -58,5 +65,5 @@ def loops(shop: Workshop, seed: int) -> Outcome:
 
 def _of_map(shop: Workshop, log: Path, chosen: SystemChoice) -> Evaluation:
     """What can be said of a map; asked on it is a little of its own run."""
-    mapped = shop.map(log, chosen)
-    return evaluate(located(shop, log, mapped, chosen, Method.MATCH, every=25))
+    (found,) = located(sampled(shop.run(log, chosen), 20), shop.map(log, chosen), Method.MATCH)
+    return found

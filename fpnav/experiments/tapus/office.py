@@ -9,22 +9,26 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from fpnav.evaluation.evaluate import Evaluation
-from fpnav.execution.stages import locate_run, take
+import numpy as np
+
+from fpnav.evaluation.evaluate import Evaluation, evaluate
+from fpnav.execution.stages import locate_by, take
 from fpnav.execution.walk import Run, SystemChoice
 from fpnav.experiments.workshop import Workshop, job_of
 from fpnav.localization.locate import Method
-from fpnav.params import Tables
 from fpnav.store.header import Header
 from fpnav.store.maps import BuiltMap
-from fpnav.store.tables import Result
+from fpnav.store.tables import SignatureTable
 from fpnav.values import Metric
 
-MAP, TEST, KIDNAPPED = 1, 2, 3
+MAP, TEST = 1, 2
 """Runs of a building: another day each."""
 
-STEP_M = 0.24
-"""Travel between the samples of a test run: more than 1000 on 250 m, as in the paper."""
+SAMPLES = 1010
+"""Samples of the test run that are asked, evenly along it: more than 1000, as in the paper."""
+
+JUMPS = 10
+"""Times the robot is set down elsewhere on the kidnapped run."""
 
 LOOPS = 5
 
@@ -43,15 +47,7 @@ def mapping_log(shop: Workshop, seed: int) -> Path:
 
 def test_log(shop: Workshop, seed: int) -> Path:
     """250 m on another path through the rooms of the map."""
-    return _log(shop, "test", seed, TEST, {"step_m": STEP_M})
-
-
-def kidnapped_log(shop: Workshop, seed: int) -> Path:
-    """The robot lifted and set down elsewhere ten times in 150 m."""
-    length_m, kidnaps = (20.0, 2) if shop.small else (150.0, 10)
-    return _log(
-        shop, "test", seed, KIDNAPPED, {"step_m": STEP_M, "length_m": length_m, "kidnaps": kidnaps}
-    )
+    return _log(shop, "test", seed, TEST, {})
 
 
 def loop_log(shop: Workshop, seed: int) -> Path:
@@ -60,40 +56,46 @@ def loop_log(shop: Workshop, seed: int) -> Path:
 
 
 def _log(shop: Workshop, route: str, seed: int, run: int, capture: dict[str, Any]) -> Path:
-    tables: dict[str, dict[str, Any]] = {"capture": capture}
+    tables: dict[str, dict[str, Any]] = {"capture": capture} if capture else {}
     if shop.small:
-        tables = {"world": {"map_m": 30.0, "test_m": 30.0}, "capture": {**capture, "step_m": 0.3}}
-    return shop.log(job_of("office", route, seed, run, sensors=["panorama", "scan"], tables=tables))
+        tables = {"world": {"map_m": 30.0, "test_m": 30.0}, "capture": {"step_m": 0.3}}
+    return shop.log(job_of("office", route, seed, run, tables=tables))
 
 
-def located(
-    shop: Workshop,
-    log: Path,
-    mapped: Mapped,
-    chosen: SystemChoice,
-    method: Method,
-    *,
-    every: int = 1,
-    tables: Tables | None = None,
-) -> Result:
-    """A run located on a map; ``every`` n-th signature of it is asked."""
-    run = thinned(shop.run(log, chosen), every)
+def asked(shop: Workshop, seed: int, chosen: SystemChoice, samples: int = SAMPLES) -> Run:
+    """The test run as it is located: so many samples, evenly along it."""
+    return sampled(shop.run(test_log(shop, seed), chosen), samples)
+
+
+def sampled(run: Run, samples: int) -> Run:
+    """So many signatures of a run, evenly along it; all where there are fewer."""
+    count = len(run.table)
+    rows = np.unique(np.linspace(0, count - 1, min(samples, count)).round().astype(np.int64))
+    return Run(run.header, take(run.table, rows), run.system)
+
+
+def kidnapped(run: Run, jumps: int) -> Run:
+    """The run cut into stretches that are driven in another order: a jump at every seam.
+
+    The odometry does not notice; the path counts on.
+    """
+    parts = np.array_split(np.arange(len(run.table)), jumps + 1)
+    order = [*range(0, len(parts), 2), *range(1, len(parts), 2)]
+    rows = np.concatenate([parts[number] for number in order])
+    table = take(run.table, rows)
+    steps = np.diff(table.references["travelled_m"], prepend=table.references["travelled_m"][0])
+    seams = np.cumsum([len(parts[number]) for number in order])[:-1]
+    steps[seams] = 0.0
+    references = table.references.copy()
+    references["travelled_m"] = np.cumsum(steps)
+    return Run(run.header, SignatureTable(references, table.records, table.parts), run.system)
+
+
+def located(run: Run, mapped: Mapped, *methods: Method) -> list[Evaluation]:
+    """A run located on a map in one or several ways, and measured."""
     header, built = mapped
-    return locate_run(
-        run.system,
-        header,
-        built,
-        run,
-        method=method,
-        tables=tables or {},
-        advance=lambda done: None,
-    )
-
-
-def thinned(run: Run, every: int) -> Run:
-    """Every n-th signature of a run."""
-    rows = list(range(0, len(run.table), every))
-    return run if every == 1 else Run(run.header, take(run.table, rows), run.system)
+    results = locate_by(run.system, header, built, run, methods=methods)
+    return [evaluate(result) for result in results]
 
 
 def figures(found: Evaluation, *names: str, suffix: str = "") -> list[Metric]:

@@ -101,7 +101,7 @@ STUDY = Study(
         "A3-default": locating.matching_default,
         "A4": locating.belief,
         "A4-default": locating.belief_default,
-        "kidnapped": locating.kidnapped,
+        "kidnapped": locating.set_down_elsewhere,
         "A5": mapping.loops,
         "ablations": variants.ablations,
         "sensitivity": variants.sensitivity,

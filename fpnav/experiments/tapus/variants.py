@@ -8,8 +8,7 @@ from typing import Any
 
 import msgspec
 
-from fpnav.evaluation.evaluate import evaluate
-from fpnav.execution.stages import locate_run, make_map
+from fpnav.execution.stages import make_map
 from fpnav.execution.walk import Run, SystemChoice, make_system
 from fpnav.experiments.study import Outcome
 from fpnav.experiments.tapus.office import (
@@ -18,8 +17,8 @@ from fpnav.experiments.tapus.office import (
     located,
     mapping_log,
     renamed,
+    sampled,
     test_log,
-    thinned,
 )
 from fpnav.experiments.workshop import Workshop
 from fpnav.localization.locate import Method
@@ -27,8 +26,8 @@ from fpnav.store.tables import Ragged, SignatureTable
 from fpnav.systems.fingerprint import Fingerprint
 from fpnav.values import Metric
 
-EVERY = 4
-"""Of the test run every fourth sample is asked: variants are compared with one another."""
+FEWER = 250
+"""Samples of the test run that are asked here: variants are compared with one another."""
 
 ABLATIONS: Mapping[str, Mapping[str, Any]] = {
     "paper": {},
@@ -52,15 +51,11 @@ SENSITIVITY: Mapping[str, Mapping[str, Any]] = {
 
 
 def ablations(shop: Workshop, seed: int) -> Outcome:
-    """Matching alone without and with parts of the method, and filter against smoother."""
+    """Matching alone without and with parts of the method."""
     metrics: list[Metric] = []
     for name, changes in ABLATIONS.items():
         metrics += _matched(shop, seed, name, choice(**changes))
-    log, mapped = test_log(shop, seed), shop.map(mapping_log(shop, seed), choice())
-    for method in (Method.FILTER, Method.SMOOTH):
-        found = evaluate(located(shop, log, mapped, choice(), method, every=EVERY))
-        metrics += _accuracy(found.metrics, str(method))
-    return Outcome(metrics, (), {"preset": "paper", "every": EVERY})
+    return Outcome(metrics, (), {"preset": "paper", "samples": FEWER})
 
 
 def sensitivity(shop: Workshop, seed: int) -> Outcome:
@@ -72,7 +67,7 @@ def sensitivity(shop: Workshop, seed: int) -> Outcome:
         metrics += _matched(shop, seed, f"theta_{by:+.2f}", chosen)
     for name, changes in SENSITIVITY.items():
         metrics += _matched(shop, seed, name, choice(**changes))
-    return Outcome(metrics, (), {"preset": "paper", "every": EVERY, "theta": theta})
+    return Outcome(metrics, (), {"preset": "paper", "samples": FEWER, "theta": theta})
 
 
 def _matched(shop: Workshop, seed: int, name: str, chosen: SystemChoice) -> list[Metric]:
@@ -85,11 +80,8 @@ def _matched(shop: Workshop, seed: int, name: str, chosen: SystemChoice) -> list
         close_loops=True,
         advance=lambda done: None,
     )
-    run = thinned(_variant(shop, test_log(shop, seed), chosen), EVERY)
-    result = locate_run(
-        run.system, header, built, run, method=Method.MATCH, advance=lambda done: None
-    )
-    found = evaluate(result)
+    run = sampled(_variant(shop, test_log(shop, seed), chosen), FEWER)
+    (found,) = located(run, (header, built), Method.MATCH)
     return [*_accuracy(found.metrics, name), *figures(found, "places", suffix=f"_{name}")]
 
 
