@@ -20,13 +20,14 @@ from fpnav.params import NO_TABLES, Tables, as_dict, resolve
 from fpnav.store.header import MAP, Header, check_same_signatures, make_header, source_of
 from fpnav.store.maps import BuiltMap
 from fpnav.store.tables import Ragged, Result, SignatureTable
-from fpnav.systems.base import System
+from fpnav.systems.base import Recall, System
+from fpnav.values import Signature
 
 Advance = Callable[[int], None]
 RANKS = 25
 """Depth of the ranking that a result keeps."""
 
-CONFIDENCE_SAMPLE = 500
+CONFIDENCE_SAMPLE = 250
 """Mapping signatures asked, evenly spaced, to learn what right and wrong scores look like."""
 
 
@@ -42,8 +43,8 @@ def make_map(
     """Map of a run with the header of its file."""
     loops = resolve("loops", LoopParams(), tables) if close_loops else None
     built = build_map(run.system, run.table, guided=guided, loops=loops, advance=advance)
-    every = max(1, len(run.table) // CONFIDENCE_SAMPLE)
-    confidence = mapping_confidence(built.memory, run.table, built.topomap, every=every)
+    every = max(1, len(run.table) // 2 // CONFIDENCE_SAMPLE)
+    confidence = mapping_confidence(run.system, run.table, built.topomap, every=every)
     header = make_header(
         MAP,
         system=run.system.NAME,
@@ -113,19 +114,22 @@ def locate_by(
     methods: Sequence[Method],
     tables: Tables = NO_TABLES,
     truth_file: Path | None = None,
+    recall: Recall | None = None,
     advance: Advance = lambda done: None,
 ) -> list[Result]:
-    """The same by several methods, each signature matched once."""
+    """The same by several methods, each signature matched once.
+
+    ``recall`` : what ``recall_run`` gave for the run, where it is known already.
+    """
     check_same_signatures(map_header, run.header, ("the map", "the query"), system.LATE)
     params = resolve("filter", FilterParams(), tables)
-    memory = system.memory()
-    memory.load(built.memory)
     midpoint = map_header["confidence"]["midpoint"]
     confidence = Confidence(
         np.inf if midpoint is None else midpoint, map_header["confidence"]["slope"]
     )
     queries, truth = with_truth(run.table, built.signatures, truth_file)
-    recall = recall_all(memory, queries, len(built.topomap), None, advance)
+    if recall is None:
+        recall = recall_run(system, built, queries, advance)
     results = []
     for method in methods:
         answers = locate(
@@ -162,6 +166,15 @@ def locate_by(
             )
         )
     return results
+
+
+def recall_run(
+    system: System, built: BuiltMap, queries: Sequence[Signature], advance: Advance
+) -> Recall:
+    """All places of a map ranked for each signature, by likeness alone."""
+    memory = system.memory()
+    memory.load(built.memory)
+    return recall_all(memory, queries, len(built.topomap), None, advance)
 
 
 def recognize_run(

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fpnav.systems.base import Memory
+from fpnav.systems.base import Memory, System
 from fpnav.topomap.graph import TopoMap
 from fpnav.values import FloatArray, Signature
 
@@ -53,15 +53,39 @@ def fit_confidence(right: FloatArray, wrong: FloatArray) -> Confidence:
     return Confidence(midpoint, float(min(gap / max(variance, 1e-12), _STEEPEST)))
 
 
-def mapping_confidence(
-    memory: Memory, signatures: Sequence[Signature], topomap: TopoMap, *, every: int = 1
-) -> Confidence:
-    """Confidence from the mapping run: each signature against its own place and the others.
+HELD_OUT = 4
+"""Signatures in a row that are held out together: one alone would be told by its neighbours."""
 
-    Neighbours of the own place count neither way: at a border both are right.
+
+def mapping_confidence(
+    system: System, signatures: Sequence[Signature], topomap: TopoMap, *, every: int = 1
+) -> Confidence:
+    """Confidence from the mapping run: part of it asked on a memory that learned the rest.
+
+    Each signature asked is scored at its own place and at the best other one. Neighbours of the
+    own place count neither way: at a border both are right. Where every place would lose all it
+    learned, the signatures are asked on what was learned of themselves.
     """
     owner = topomap.owner(len(signatures))
-    rows = np.arange(0, len(signatures), every)
+    asked = (np.arange(len(owner)) // HELD_OUT) % 2 == 1
+    asked &= np.isin(owner, owner[~asked])
+    if not asked.any():
+        learned_rows = rows = np.arange(len(owner))
+    else:
+        learned_rows, rows = np.flatnonzero(~asked), np.flatnonzero(asked)
+    memory = system.memory()
+    memory.fit(signatures)
+    for row in learned_rows:
+        memory.learn(int(owner[row]), signatures[int(row)])
+    right, wrong = _held_out_scores(memory, signatures, topomap, rows[::every])
+    return fit_confidence(right, wrong)
+
+
+def _held_out_scores(
+    memory: Memory, signatures: Sequence[Signature], topomap: TopoMap, rows: NDArray[np.int64]
+) -> tuple[FloatArray, FloatArray]:
+    """Scores at the own place and at the best that is neither it nor next to it."""
+    owner = topomap.owner(len(signatures))
     recall, _ = memory.recall(
         [signatures[int(row)] for row in rows], len(memory.places), None, None
     )
@@ -72,7 +96,7 @@ def mapping_confidence(
         ranking, scores = recall.places[query], recall.scores[query]
         right.append(_best(scores[ranking == own]))
         wrong.append(_best(scores[(ranking >= 0) & ~np.isin(ranking, list(near))]))
-    return fit_confidence(np.array(right), np.array(wrong))
+    return np.array(right), np.array(wrong)
 
 
 def _best(scores: NDArray[np.float64]) -> float:

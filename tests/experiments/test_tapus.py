@@ -48,7 +48,9 @@ def test_a_sampled_run_keeps_its_ends_and_even_steps() -> None:
 
 
 def test_a_kidnapped_run_is_all_of_it_in_another_order_and_its_path_counts_on() -> None:
-    moved = kidnapped(small_run(12, step_m=0.5), 2).table.references
+    run, rows = kidnapped(small_run(12, step_m=0.5), 2)
+    moved = run.table.references
+    assert moved["index"].tolist() == rows.tolist()
     assert moved["index"].tolist() == [0, 1, 2, 3, 8, 9, 10, 11, 4, 5, 6, 7]
     assert moved["travelled_m"].tolist() == [0, 0.5, 1, 1.5, 1.5, 2, 2.5, 3, 3, 3.5, 4, 4.5]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 
 from fpnav.localization.confidence import Confidence, fit_confidence, mapping_confidence
 from fpnav.mapping.build import build_map
-from fpnav.values import Reference
+from fpnav.values import Reference, Signature
 
 scores = st.lists(st.floats(0.0, 1.0), min_size=1, max_size=30)
 
@@ -71,14 +72,37 @@ def test_the_mapping_run_is_asked_for_its_own_places_and_those_that_are_no_neigh
     ]
     built = build_map(Toy(), rows, advance=lambda done: None)
     assert len(built.topomap) == 3
-    found = mapping_confidence(built.memory, rows, built.topomap)
+    found = mapping_confidence(Toy(), rows, built.topomap)
     # right: 1.0 six times; wrong: 0.25 four times (places 0 and 2), none for the one between
     assert found == fit_confidence(np.ones(6), np.full(4, 0.25))
-    assert mapping_confidence(built.memory, rows, built.topomap, every=2) == found
+    assert mapping_confidence(Toy(), rows, built.topomap, every=2) == found
 
 
 def test_a_map_of_one_place_trusts_what_looks_like_it() -> None:
     rows = drive([0, 0, 0])
     built = build_map(Toy(), rows, advance=lambda done: None)
-    found = mapping_confidence(built.memory, rows, built.topomap)
+    found = mapping_confidence(Toy(), rows, built.topomap)
     assert found.stated(np.array([1.0, 0.5])).round().tolist() == [1.0, 0.0]
+
+
+def test_what_is_asked_was_not_learned(monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = drive([0] * 8 + [1] * 8)
+    built = build_map(Toy(), rows, advance=lambda done: None)
+    kind = type(Toy().memory())
+    learn, recall = kind.learn, kind.recall
+    learned: set[int] = set()
+    asked: set[int] = set()
+
+    def note_learned(self: Any, place: int, signature: Signature) -> None:
+        learned.add(signature.reference.index)
+        learn(self, place, signature)
+
+    def note_asked(self: Any, signatures: Any, *rest: Any) -> Any:
+        asked.update(signature.reference.index for signature in signatures)
+        return recall(self, signatures, *rest)
+
+    monkeypatch.setattr(kind, "learn", note_learned)
+    monkeypatch.setattr(kind, "recall", note_asked)
+    mapping_confidence(Toy(), rows, built.topomap)
+    assert learned == {0, 1, 2, 3, 8, 9, 10, 11}
+    assert asked == {4, 5, 6, 7, 12, 13, 14, 15}

@@ -4,15 +4,7 @@ from __future__ import annotations
 
 from fpnav.experiments.study import Outcome
 from fpnav.experiments.tapus import pictures
-from fpnav.experiments.tapus.office import (
-    JUMPS,
-    asked,
-    choice,
-    figures,
-    kidnapped,
-    located,
-    mapping_log,
-)
+from fpnav.experiments.tapus.office import JUMPS, drive, figures
 from fpnav.experiments.workshop import Workshop
 from fpnav.localization.locate import Method
 from fpnav.values import Metric
@@ -42,9 +34,7 @@ def matching_default(shop: Workshop, seed: int) -> Outcome:
 
 
 def _matching(shop: Workshop, seed: int, preset: str) -> Outcome:
-    chosen = choice(preset)
-    mapped = shop.map(mapping_log(shop, seed), chosen)
-    (found,) = located(asked(shop, seed, chosen), mapped, Method.MATCH)
+    (found,) = drive(shop, seed, preset).located(Method.MATCH)
     metrics = figures(found, *ACCURACY, "heading_error_median_deg", "field_rho", "places", "ece")
     plan = pictures.located_plan(f"A3 {preset}", found)
     return Outcome(metrics, [plan], {"preset": preset, "samples": len(found.table)})
@@ -61,10 +51,7 @@ def belief_default(shop: Workshop, seed: int) -> Outcome:
 
 
 def _belief(shop: Workshop, seed: int, preset: str) -> Outcome:
-    chosen = choice(preset)
-    mapped = shop.map(mapping_log(shop, seed), chosen)
-    run = asked(shop, seed, chosen)
-    filtered, smoothed = located(run, mapped, Method.FILTER, Method.SMOOTH)
+    filtered, smoothed = drive(shop, seed, preset).located(Method.FILTER, Method.SMOOTH)
     metrics = [*figures(filtered, *BELIEF), *figures(smoothed, *BELIEF, suffix="_smooth")]
     shown = [pictures.belief_over_run(filtered), pictures.located_plan("By filter", filtered)]
     return Outcome(metrics, shown, {"preset": preset})
@@ -74,10 +61,6 @@ def set_down_elsewhere(shop: Workshop, seed: int) -> Outcome:
     """The robot set down elsewhere ten times: how soon does the belief know?"""
     metrics: list[Metric] = []
     for preset, suffix in (("paper", ""), ("default", "_default")):
-        chosen = choice(preset)
-        mapped = shop.map(mapping_log(shop, seed), chosen)
-        jumps = 2 if shop.small else JUMPS
-        run = kidnapped(asked(shop, seed, chosen), jumps)
-        (found,) = located(run, mapped, Method.FILTER)
+        found = drive(shop, seed, preset).set_down(2 if shop.small else JUMPS)
         metrics += figures(found, "kidnap_recovered_3m", "kidnap_recovery_m", suffix=suffix)
     return Outcome(metrics, (), {"preset": "paper", "belief": "filter"})

@@ -55,10 +55,8 @@ def node_placement(shop: Workshop, seed: int) -> Outcome:
 def loops(shop: Workshop, seed: int) -> Outcome:
     """A5: a way that comes back; each seed another one of the five."""
     log = loop_log(shop, seed)
-    metrics: list[Metric] = []
-    for preset, suffix in (("paper", ""), ("default", "_default")):
-        found = _of_map(shop, log, choice(preset))
-        metrics += figures(found, "loop_recall", "loop_precision", "places", suffix=suffix)
+    found = _of_map(shop, log, choice())
+    metrics = figures(found, "loop_recall", "loop_precision", "places")
     plan = pictures.loop_plan(log, shop.map(log, choice()))
     return Outcome(metrics, [plan], {"preset": "paper", "way": log.name.split("-")[2]})
 

@@ -6,19 +6,23 @@ building and its rooms are those of the seed.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fpnav.evaluation.evaluate import Evaluation, evaluate
-from fpnav.execution.stages import locate_by, take
+from fpnav.execution.stages import locate_by, recall_run, take
 from fpnav.execution.walk import Run, SystemChoice
 from fpnav.experiments.workshop import Workshop, job_of
 from fpnav.localization.locate import Method
 from fpnav.store.header import Header
 from fpnav.store.maps import BuiltMap
 from fpnav.store.tables import SignatureTable
+from fpnav.systems.base import Recall
 from fpnav.values import Metric
 
 MAP, TEST = 1, 2
@@ -74,27 +78,59 @@ def sampled(run: Run, samples: int) -> Run:
     return Run(run.header, take(run.table, rows), run.system)
 
 
-def kidnapped(run: Run, jumps: int) -> Run:
+def kidnapped(run: Run, jumps: int) -> tuple[Run, NDArray[np.int64]]:
     """The run cut into stretches that are driven in another order: a jump at every seam.
 
-    The odometry does not notice; the path counts on.
+    The odometry does not notice; the path counts on. Also the rows of the run in their new order.
     """
     parts = np.array_split(np.arange(len(run.table)), jumps + 1)
     order = [*range(0, len(parts), 2), *range(1, len(parts), 2)]
     rows = np.concatenate([parts[number] for number in order])
     table = take(run.table, rows)
     steps = np.diff(table.references["travelled_m"], prepend=table.references["travelled_m"][0])
-    seams = np.cumsum([len(parts[number]) for number in order])[:-1]
-    steps[seams] = 0.0
+    steps[np.cumsum([len(parts[number]) for number in order])[:-1]] = 0.0
     references = table.references.copy()
     references["travelled_m"] = np.cumsum(steps)
-    return Run(run.header, SignatureTable(references, table.records, table.parts), run.system)
+    moved = SignatureTable(references, table.records, table.parts)
+    return Run(run.header, moved, run.system), rows
 
 
-def located(run: Run, mapped: Mapped, *methods: Method) -> list[Evaluation]:
+@dataclass(frozen=True, slots=True, eq=False)
+class Drive:
+    """The test run of a building on the map of the mapping run, every sample matched once."""
+
+    run: Run
+    mapped: Mapped
+    recall: Recall
+
+    def located(self, *methods: Method) -> list[Evaluation]:
+        """The run located in one or several ways, and measured."""
+        return located(self.run, self.mapped, *methods, recall=self.recall)
+
+    def set_down(self, jumps: int) -> Evaluation:
+        """The run with jumps in it, located by filter."""
+        moved, rows = kidnapped(self.run, jumps)
+        known = self.recall
+        recall = Recall(known.places[rows], known.scores[rows], known.headings_rad[rows])
+        return located(moved, self.mapped, Method.FILTER, recall=recall)[0]
+
+
+@cache
+def drive(shop: Workshop, seed: int, preset: str) -> Drive:
+    """The test run of a building with a preset; kept, since several experiments ask it."""
+    chosen = choice(preset)
+    mapped = shop.map(mapping_log(shop, seed), chosen)
+    run = asked(shop, seed, chosen)
+    recall = recall_run(run.system, mapped[1], run.table, lambda done: None)
+    return Drive(run, mapped, recall)
+
+
+def located(
+    run: Run, mapped: Mapped, *methods: Method, recall: Recall | None = None
+) -> list[Evaluation]:
     """A run located on a map in one or several ways, and measured."""
     header, built = mapped
-    results = locate_by(run.system, header, built, run, methods=methods)
+    results = locate_by(run.system, header, built, run, methods=methods, recall=recall)
     return [evaluate(result) for result in results]
 
 

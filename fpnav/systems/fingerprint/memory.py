@@ -32,6 +32,7 @@ class FingerprintMemory:
         self._views: dict[int, list[Mean]] = {}
         self._strings: dict[int, Strings] = {}
         self._current = -1
+        self._kept_at: dict[int, tuple[int, float]] = {}
 
     @property
     def places(self) -> NDArray[np.int64]:
@@ -60,14 +61,11 @@ class FingerprintMemory:
         self._current = place
         one = self._aligner.observation(signature)
         if place not in self._views:
-            self._put(
-                place, [one, *exemplars.added([], one, self._params.exemplars, self._aligner)]
-            )
+            self._views[place] = [one]
+            self._put(place, [one, *self._with_exemplar(place, signature, one)])
             return
-        mean, *rest = self._views[place]
-        if self._params.exemplars > 0:
-            seen = turned(one, self._aligner.turn(mean, one))
-            rest = exemplars.added(rest, seen, self._params.exemplars, self._aligner)
+        mean = self._views[place][0]
+        rest = self._with_exemplar(place, signature, one)
         self._put(place, [self._aligner.fused(mean, one), *rest])
 
     def novelty(
@@ -104,8 +102,12 @@ class FingerprintMemory:
         mean, *rest = self._views[keep]
         other, *others = self._views.pop(drop)
         turn = self._aligner.turn(mean, other)
-        for one in others:
-            rest = exemplars.added(rest, turned(one, turn), self._params.exemplars, self._aligner)
+        moved = [turned(one, turn) for one in others]
+        if self._params.exemplar_m > 0.0:
+            rest = [*rest, *moved]
+        else:
+            for one in moved:
+                rest = exemplars.added(rest, one, self._params.exemplars, self._aligner)
         self._strings.pop(drop, None)
         self._put(keep, [self._aligner.fused(mean, other), *rest])
         self._current = keep if self._current == drop else self._current
@@ -115,7 +117,7 @@ class FingerprintMemory:
         many; 0 = no bound."""
         if budget > 0:
             for place, views in self._views.items():
-                kept = views[: 1 + min(budget, self._params.exemplars)]
+                kept = views[: 1 + budget]
                 self._put(place, [strongest(view, budget) for view in kept])
 
     def save(self) -> State:
@@ -130,6 +132,30 @@ class FingerprintMemory:
     def probability(self, first: Signature, second: Signature) -> float:
         """prob_matching of two fingerprints, in [0, 1]."""
         return self._aligner.probability(*(self._aligner.strings([one]) for one in (first, second)))
+
+    def _with_exemplar(self, place: int, signature: Signature, one: Mean) -> list[Mean]:
+        """Exemplars of a place after one more fingerprint, in the place's frame."""
+        mean, *rest = self._views[place]
+        whole = self._params.exemplar_m > 0.0
+        if whole and not self._is_due(place, signature):
+            return rest
+        if not whole and self._params.exemplars == 0:
+            return rest
+        seen = turned(one, self._aligner.turn(mean, one)) if mean is not one else one
+        if whole:
+            return [*rest, seen]
+        return exemplars.added(rest, seen, self._params.exemplars, self._aligner)
+
+    def _is_due(self, place: int, signature: Signature) -> bool:
+        """Whether the robot came far enough in a place since an exemplar was kept there."""
+        reference = signature.reference
+        session, kept_m = self._kept_at.get(place, (-1, 0.0))
+        if session == reference.session and (
+            abs(reference.travelled_m - kept_m) < self._params.exemplar_m
+        ):
+            return False
+        self._kept_at[place] = reference.session, reference.travelled_m
+        return True
 
     def _use(self, model: Model) -> None:
         self._aligner = Aligner(self._params, model)

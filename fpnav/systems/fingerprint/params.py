@@ -16,7 +16,9 @@ class FingerprintParams(Params, frozen=True):
     ``use_f``, ``use_colour`` leave out correspondences and hues; ``corner_epsilon_m`` tolerance of
     Douglas-Peucker. ``certainty`` as extracted, all alike (``flat``), or ``calibrated`` on the
     mapping run. ``scores`` of the hand-made table, of plain Needleman-Wunsch, or ``learned`` from
-    the mapping run. ``exemplars`` kept beside a place's mean; the best of them counts.
+    the mapping run. ``exemplars`` kept beside a place's mean, fused where there are more;
+    ``exemplar_m`` > 0 keeps a fingerprint as it is after every so many metres in a place; of mean
+    and exemplars the best counts.
     ``angle_deg`` > 0 aligns a second time in recall, the turn known, a match losing the square of
     how many times this it is off. ``fuse_gate_deg`` > 0: a match off by more is not fused.
     Alignment: ``weight_*`` per type of symbol; ``gamma`` share of its weight a gap costs;
@@ -46,6 +48,7 @@ class FingerprintParams(Params, frozen=True):
     certainty: Literal["raw", "flat", "calibrated"] = "raw"
     scores: Literal["table", "plain", "learned"] = "table"
     exemplars: int = 0
+    exemplar_m: float = 0.0
     angle_deg: float = 0.0
     fuse_gate_deg: float = 0.0
     cuts: Literal["all", "view"] = "all"
@@ -71,12 +74,21 @@ class FingerprintParams(Params, frozen=True):
     headings: int = 10
 
 
-# The paper's theta was "determined experimentally": here on the mapping logs of office seeds 11-13
-# (simulated, used for nothing else), where it gives the paper's 20 places from 500 data sets. The
-# default cuts finer: a mean blurs along a long place.
+# theta for ``mean`` is systems.md's. certainty_min is not: a feature first met by the sixth of a
+# place's fingerprints enters its mean at a sixth of its certainty, so with 0.15 it would be dropped
+# the moment it came and the mean would stay what the first five saw; the paper calls the mean a
+# characterization of all the fingerprints of its node.
 PRESETS = {
-    "paper": FingerprintParams(compare="mean", theta=0.65),
-    "default": FingerprintParams(compare="mean", theta=0.60, cuts="view"),
+    "paper": FingerprintParams(compare="mean", theta=0.50, certainty_min=0.03),
+    "default": FingerprintParams(
+        compare="mean",
+        theta=0.50,
+        certainty_min=0.03,
+        cuts="view",
+        scores="learned",
+        exemplar_m=0.3,
+        segment="changepoint",
+    ),
 }
 
 LATE = frozenset(
@@ -84,6 +96,7 @@ LATE = frozenset(
         "certainty",
         "scores",
         "exemplars",
+        "exemplar_m",
         "angle_deg",
         "fuse_gate_deg",
         "weight_v",
