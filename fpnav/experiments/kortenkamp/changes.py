@@ -6,7 +6,7 @@ import numpy as np
 
 from fpnav.evaluation.gateways import rate, told_apart
 from fpnav.experiments.kortenkamp.learned import learned
-from fpnav.experiments.kortenkamp.recognition import PARAMS, ROUTE, recognition
+from fpnav.experiments.kortenkamp.recognition import OURS, PARAMS, ROUTE, recognition
 from fpnav.experiments.kortenkamp.tours import NEAR, TEST, TRAINING, choice, traversals
 from fpnav.experiments.study import Outcome
 from fpnav.experiments.workshop import Workshop
@@ -21,12 +21,13 @@ def closed_door(shop: Workshop, seed: int) -> Outcome:
     drives = traversals(shop, seed, choice(), [ROUTE], TRAINING)
     test = traversals(shop, seed, choice(), [ROUTE], [TEST], WALLED)
     places = learned([*drives, *test], PARAMS)
-    seen = recognition(places)
+    seen, ours = recognition(places), recognition(places, OURS)
     left = np.array([row for row, name in enumerate(seen.names) if name != CLOSED])
     counted = _by_counting(places.tests, places.names)
     reported = places.tests[places.names.index(CLOSED)] is not None
     metrics = [
         told_apart("closed_combined", seen.both[left], left),
+        told_apart("closed_combined_default", ours.both[left], left),
         rate("closed_by_counting", counted, len(left)),
         rate("closed_reported", int(reported), 1),
     ]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -13,17 +15,20 @@ from fpnav.experiments.study import Outcome
 from fpnav.experiments.workshop import Workshop
 from fpnav.report.figures import gateways as drawing
 from fpnav.report.study import Illustration
-from fpnav.systems.gateway.bayes import posterior, vision_likelihood
+from fpnav.systems.gateway.bayes import normalised, posterior, vision_likelihood
+from fpnav.systems.gateway.memory import GatewayMemory
 from fpnav.systems.gateway.params import PRESETS, GatewayParams
 from fpnav.values import FloatArray, Metric
 
 PARAMS: GatewayParams = PRESETS["paper"]
+OURS: GatewayParams = PRESETS["default"]
 ROUTE = "route-1"
 """The route that meets all seven gateways: one forward scene and one type for each of them."""
 
 ALIKE, UNIQUE = ("B", "C", "D"), ("A", "E", "F", "G")
 MISREAD, MISREAD_AS = "D", "RIGHT ROOM"
-FACTS = {"preset": "paper", "route": ROUTE, "places": 7, "guided traversals": 5}
+Facts = Mapping[str, Any]
+FACTS: Facts = {"preset": "paper", "route": ROUTE, "places": 7, "guided traversals": 5}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,27 +58,44 @@ def sonar_only(shop: Workshop, seed: int) -> Outcome:
 
 def combined(shop: Workshop, seed: int) -> Outcome:
     """C5, table 3: both, weighed equally."""
-    places = _places(shop, seed)
-    seen = recognition(places)
+    return _combined(_places(shop, seed), PARAMS, {**FACTS, "preset": "paper"})
+
+
+def combined_default(shop: Workshop, seed: int) -> Outcome:
+    """C5 with the soft matcher, its scores to a power learned on other worlds."""
+    return _combined(_places(shop, seed), OURS, {**FACTS, "preset": "default"})
+
+
+def sonar_error(shop: Workshop, seed: int) -> Outcome:
+    """C6: D misread as RIGHT ROOM, which E is."""
+    return _misread(_places(shop, seed), PARAMS, {**FACTS, "preset": "paper"})
+
+
+def sonar_error_default(shop: Workshop, seed: int) -> Outcome:
+    """C6 with the soft matcher."""
+    return _misread(_places(shop, seed), OURS, {**FACTS, "preset": "default"})
+
+
+def _combined(places: Learned, params: GatewayParams, facts: Facts) -> Outcome:
+    seen = recognition(places, params)
     told = _told("combined", seen.both)
     rows = [seen.names.index(name) for name in UNIQUE]
     alike = np.array([seen.names.index(name) for name in ALIKE])
     metrics = [
         told,
+        _told("vision_only", seen.vision),
         Metric("combined_all", float(told.n == told.of), int(told.n == told.of), 1),
         Metric("posterior_unique_least", float(seen.both[rows, rows].min()), 1, 1),
         least_margin("posterior_alike_margin", seen.both[alike], alike),
-        Metric("product_rule_gap", _gap(places, seen), 7, 7),
+        Metric("product_rule_gap", _gap(places, seen, params), 7, 7),
     ]
     picture = _table("both", "Table 3 here: scenes and gateways", seen.names, seen.both)
-    return Outcome(metrics, [picture], FACTS)
+    return Outcome(metrics, [picture], facts)
 
 
-def sonar_error(shop: Workshop, seed: int) -> Outcome:
-    """C6: D misread as RIGHT ROOM, which E is."""
-    places = _places(shop, seed)
-    plain = recognition(places)
-    seen = recognition(places.misread(MISREAD, MISREAD_AS))
+def _misread(places: Learned, params: GatewayParams, facts: Facts) -> Outcome:
+    plain = recognition(places, params)
+    seen = recognition(places.misread(MISREAD, MISREAD_AS), params)
     row, other = seen.names.index(MISREAD), seen.names.index("E")
     metrics = [
         error_corrected(seen.both[row], row),
@@ -89,7 +111,7 @@ def sonar_error(shop: Workshop, seed: int) -> Outcome:
     picture = Illustration(
         "misread", title, caption, lambda: drawing.likelihoods(rows, labels, seen.names)
     )
-    return Outcome(metrics, [picture], {**FACTS, "misread": f"{MISREAD} as {MISREAD_AS}"})
+    return Outcome(metrics, [picture], {**facts, "misread": f"{MISREAD} as {MISREAD_AS}"})
 
 
 def normalisation(shop: Workshop, seed: int) -> Outcome:
@@ -100,12 +122,13 @@ def normalisation(shop: Workshop, seed: int) -> Outcome:
     return Outcome([Metric("normalisation_gap", gap, 3, 3)], (), {"preset": "paper"})
 
 
-def recognition(places: Learned) -> Recognition:
+def recognition(places: Learned, params: GatewayParams = PARAMS) -> Recognition:
     """The three tables of the paper, from what was learned and seen."""
     order = np.argsort(np.array(places.names), kind="stable")
     square = np.ix_(order, order)
-    vision = vision_likelihood(places.scores(PARAMS), PARAMS.floor)[square]
-    sonar = places.sonar(PARAMS)[square]
+    scenes = vision_likelihood(places.scores(params), params.floor)
+    vision = normalised(scenes**params.vision_power)[square]
+    sonar = normalised(places.sonar(params) ** params.sonar_power)[square]
     both = posterior(np.ones(len(order)), vision, sonar)
     missing = [test is None for test in places.tests]
     for table in (vision, sonar, both):
@@ -127,15 +150,17 @@ def _alike_told(seen: Recognition) -> Metric:
     return told_apart("sonar_alike_told", seen.sonar[rows], rows)
 
 
-def _gap(places: Learned, seen: Recognition) -> float:
+def _gap(places: Learned, seen: Recognition, params: GatewayParams) -> float:
     """Largest difference of what the system answers from the product of the two tables."""
     order = np.argsort(np.array(places.names), kind="stable")
+    memory = GatewayMemory(params)
+    memory.load(places.memory.save())
     gap = 0.0
     for row, place in enumerate(order):
         test = places.tests[int(place)]
         if test is None:
             continue
-        recall, _ = places.memory.recall([test], len(order), None, None)
+        recall, _ = memory.recall([test], len(order), None, None)
         answer = np.zeros(len(order))
         answer[recall.places[0]] = np.exp(recall.scores[0] - recall.scores[0].max())
         gap = max(gap, float(np.abs(answer[order] / answer.sum() - seen.both[row]).max()))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -84,10 +85,13 @@ def _furnish(
     style: Style,
     seed: int,
 ) -> Furnished:
-    """Dark doorways and posters in the halls, furniture in the room."""
+    """Dark doorways and posters in the halls, furniture in the room.
+
+    An opening that is walled up on this run is left bare, so that all else stays where it is.
+    """
     rng = generator(seed, "furniture", space.name)
     room = Furnished(space)
-    rooms.reserve_open_sides(room, spaces)
+    rooms.reserve_open_sides(room, [_opened(other) for other in spaces])
     if space.kind == "lobby":
         _keep_mouth_free(room, spaces)
     for wall in range(4):
@@ -96,6 +100,10 @@ def _furnish(
     kinds = ("desk", "plant", "bookcase", "bench", "cupboard") if space.kind == "lobby" else ()
     rooms.furnish(room, rng, style.palette, kinds, clutter=1.0, posters=params.posters)
     return room
+
+
+def _opened(space: Space) -> Space:
+    return replace(space, kind="corridor") if space.kind == "closed" else space
 
 
 def _keep_mouth_free(room: Furnished, spaces: tuple[Space, ...]) -> None:

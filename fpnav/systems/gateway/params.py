@@ -113,6 +113,9 @@ PRESETS = {
         edge_floor=0.03,
         weights="count",
         matcher="soft",
+        soft_width_px=36.0,
+        soft_beta=1.0,
+        vision_power=8.0,
         smooth=0.01,
     ),
 }
