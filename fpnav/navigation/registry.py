@@ -17,9 +17,10 @@ Maker = Callable[[System, BuiltMap, Task, Tables], Policy]
 
 POLICIES: dict[str, str] = {
     "place-action": "fpnav.navigation.policy:place_action",
+    "wall-following": "fpnav.navigation.walls:wall_following",
 }
 
-BLOCKS = ("navigate",)
+BLOCKS = ("navigate", "walls")
 """Parameter blocks of policies."""
 
 

@@ -101,6 +101,11 @@ class Hallway:
         self._lose()
         return self._settled()
 
+    @property
+    def axis_rad(self) -> float:
+        """Direction of the walls; that of the leg where they do not tell, NaN before the first."""
+        return self._axis()
+
     def _begin(self) -> None:
         self._leg, self._ended, self._aligned_m = self.path.leg, False, math.nan
         self._front.forget()

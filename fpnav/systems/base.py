@@ -234,6 +234,9 @@ class System(Protocol):
 BY_PLACES = "place-action"
 """Standard part ``POLICY``: go in the direction attached to the place recognised."""
 
+BY_WALLS = "wall-following"
+"""Standard part ``POLICY``: follow walls and stop in the openings between them."""
+
 
 def no_verification(
     self: object, query: Signature, candidates: Sequence[Signature]

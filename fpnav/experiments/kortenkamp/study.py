@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from fpnav.experiments.kortenkamp import changes, detection, recognition, scale, scenes, types
+from fpnav.experiments.kortenkamp import (
+    changes,
+    detection,
+    driving,
+    recognition,
+    scale,
+    scenes,
+    types,
+)
 from fpnav.experiments.study import Study
 from fpnav.report.study import Claim, Heading
 
@@ -33,6 +41,7 @@ HEADING = Heading(
         "C8": "All types of gateways",
         "C9": "Fifty gateways, ten alike",
         "C10": "A door closed since training",
+        "C11": "A robot that stops in gateways by itself",
     },
 )
 
@@ -87,6 +96,10 @@ CLAIMS = (
     Claim("C10", "closed_combined", "C walled up: the others are told", ""),
     Claim("C10", "closed_combined_default", "the same, soft cells", "", least=0.95),
     Claim("C10", "closed_by_counting", "by counting gateways instead", "dangerous"),
+    Claim("C11", "gateway_found_stopped", "it stops in every gateway", "yes", least=1.0),
+    Claim("C11", "gateway_within_70mm_stopped", "where it stops", "70 mm at most", least=0.95),
+    Claim("C11", "gateway_within_3_5deg_stopped", "how it stands", "3.5 degrees at most",
+          least=0.95),
 )  # fmt: skip
 
 STUDY = Study(
@@ -105,6 +118,7 @@ STUDY = Study(
         "C8": types.types,
         "C9": scale.scale,
         "C10": changes.closed_door,
+        "C11": driving.stops,
     },
     together={"C1": detection.together, "C8": types.together},
     most={"C9": 3},

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from fpnav.errors import TruthError
@@ -14,7 +15,8 @@ from fpnav.execution.walk import Run, SystemChoice
 from fpnav.experiments.workshop import Workshop, job_of
 from fpnav.geometry import compose
 from fpnav.params import Tables
-from fpnav.sim.record import Job
+from fpnav.sim.record import Job, world_of
+from fpnav.sim.truth import world_facts
 from fpnav.systems.gateway.types import NAMES
 from fpnav.values import Pose2, Signature
 
@@ -93,3 +95,11 @@ def _centre(signature: Signature) -> Pose2:
         raise TruthError("gateways are placed by the true pose of the robot; the log has none")
     seen = Pose2(float(record["x_m"]), float(record["y_m"]), float(record["axis_rad"]))
     return compose(truth, seen)
+
+
+def world_of_job(job: Job) -> dict[str, Any]:
+    """``world.json`` of a run, whether it was recorded or not."""
+    facts: dict[str, Any] = msgspec.to_builtins(
+        world_facts(world_of(job.setting), job.route), enc_hook=float
+    )
+    return facts

@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import msgspec
 import numpy as np
 
 from fpnav.errors import LogError
 from fpnav.evaluation.gateways import Gateways, Survey, confusion, gateways_met, surveyed
 from fpnav.execution.walk import SystemChoice
 from fpnav.experiments.kortenkamp.detection import figures_of, renamed
-from fpnav.experiments.kortenkamp.tours import choice, found_in
+from fpnav.experiments.kortenkamp.tours import choice, found_in, world_of_job
 from fpnav.experiments.study import Outcome
 from fpnav.experiments.workshop import Workshop, job_of
 from fpnav.report.figures import gateways as drawing
 from fpnav.report.study import Illustration
-from fpnav.sim.record import Job, world_of
-from fpnav.sim.truth import world_facts
+from fpnav.sim.record import Job
 from fpnav.sim.worlds.gateway_types import ROUTES
 from fpnav.systems.gateway.types import KINDS
 from fpnav.values import Metric
@@ -64,8 +62,7 @@ def _surveys(shop: Workshop, seed: int, chosen: SystemChoice) -> list[Survey]:
 
 def _survey(shop: Workshop, job: Job, chosen: SystemChoice) -> Survey:
     """What was found on a route; a log without any gateway has no signatures."""
-    facts = msgspec.to_builtins(world_facts(world_of(job.setting), job.route), enc_hook=float)
-    truth = gateways_met(facts, job.route)
+    truth = gateways_met(world_of_job(job), job.route)
     try:
         return surveyed(found_in(shop.run(shop.log(job), chosen)), truth)
     except LogError:

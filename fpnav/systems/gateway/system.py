@@ -11,7 +11,7 @@ from fpnav.params import Params
 from fpnav.sensing.cues import CUE
 from fpnav.sensing.scene import CELLS, cells_of
 from fpnav.systems.base import (
-    BY_PLACES,
+    BY_WALLS,
     Features,
     MapRule,
     Needs,
@@ -48,7 +48,7 @@ class Gateway:
     PRESETS: ClassVar[Mapping[str, Params]] = PRESETS
     RECORD: ClassVar[np.dtype[Any]] = RECORD
     PARTS: ClassVar[Mapping[str, np.dtype[Any]]] = {"cues": CUE}
-    POLICY: ClassVar[str] = BY_PLACES
+    POLICY: ClassVar[str] = BY_WALLS
 
     verify = no_verification
 
