@@ -22,6 +22,10 @@ HEADING_RAD = np.deg2rad(3.5)
 """What the paper's robot stopped within."""
 
 
+SPREAD = 0.025
+"""How well a robot without odometry repeats a lap, as a share of it."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Gateways:
     """Gateways in travel order.
@@ -165,6 +169,29 @@ def least_margin(name: str, likelihood: FloatArray, own: NDArray[np.int64]) -> M
 def error_corrected(posterior: FloatArray, own: int) -> Metric:
     """Whether a place whose gateway was misread is the most likely one (posterior (P,))."""
     return told_apart("error_corrected", posterior[None, :], np.array([own]))
+
+
+def lap_period(at: FloatArray, likeness: FloatArray, least: float) -> float:
+    """Period at which like gateways come again, in the unit of ``at``; NaN of fewer than two.
+
+    Every pair of gateways speaks for the lag between them, as much as the two are alike, spread
+    normally by SPREAD of the lag; the lag for which most is said, allowing for how many pairs so
+    far apart there can be.
+
+    Parameters
+    ----------
+    at : (N,) where or when each gateway was met, increasing
+    likeness : (N, N) in [0, 1]
+    least : no lap is shorter
+    """
+    rows, columns = np.triu_indices(len(at), 1)
+    lags, weights = at[columns] - at[rows], likeness[rows, columns]
+    if len(at) < 2 or lags.max() <= least:
+        return float("nan")
+    tried = np.arange(least, 0.6 * lags.max(), 0.001 * lags.max())
+    away = (lags[None, :] - tried[:, None]) / (SPREAD * tried[:, None])
+    said = (weights * np.exp(-0.5 * away**2)).sum(axis=1) / (1.0 - tried / lags.max())
+    return float(tried[np.argmax(said / tried)]) if len(tried) else float("nan")
 
 
 def rate(name: str, n: int, of: int) -> Metric:

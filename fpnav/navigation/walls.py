@@ -71,7 +71,7 @@ class WallFollowing:
         self.decision = NOWHERE
 
     def decide(self, signature: Signature) -> Decision:
-        """Nothing: signatures do not steer this robot."""
+        """The last decision: signatures do not steer this robot."""
         return self.decision
 
     def act(self, frame: Frame) -> Command:
@@ -100,6 +100,7 @@ class WallFollowing:
         """To the middle of a gateway, back or on; there the robot stands, then goes on."""
         left = relative(target.centre, pose).x_m
         error = wrap(target.centre.heading_rad - pose.heading_rad)
+        self.decision = Decision(-1, 0.0, error, arrived=self._standing > 0)
         if self._standing == 0 and abs(left) > self._params.there_m:
             speed = max(self._params.creep_mps, min(self._params.speed_mps, 0.8 * abs(left)))
             return Command(-math.copysign(speed, left), self._turn(error))
@@ -130,6 +131,7 @@ class WallFollowing:
         limit = math.radians(self._params.tilt_deg)
         tilt = max(-limit, min(limit, self._params.sideways * self._aside(seen)))
         error = wrap(self._course + tilt - pose.heading_rad)
+        self.decision = Decision(-1, 0.0, error)
         if abs(error) > math.radians(30.0):
             return Command(0.0, self._turn(error))
         return Command(self._params.speed_mps * math.cos(error), self._turn(error))

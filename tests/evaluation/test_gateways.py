@@ -19,6 +19,7 @@ from fpnav.evaluation.gateways import (
     gateway_within_3_5deg,
     gateway_within_70mm,
     gateways_met,
+    lap_period,
     least_margin,
     surveyed,
     told_apart,
@@ -104,3 +105,21 @@ def test_the_margin_is_that_of_the_least_clear_place() -> None:
 def test_a_misread_gateway_is_corrected_where_its_place_stays_ahead() -> None:
     assert error_corrected(np.array([0.13, 0.42, 0.25]), 1).value == 1.0
     assert error_corrected(np.array([0.13, 0.25, 0.42]), 1).value == 0.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_lap_is_found_in_a_sequence_with_misses_inventions_and_jitter(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    kinds, places = rng.integers(0, 4, 7), np.sort(rng.uniform(0, 1, 7))
+    rows = [(lap + p, k) for lap in range(5) for p, k in zip(places, kinds, strict=True)]
+    rows = [row for row in rows if rng.random() > 0.15]
+    rows += [(float(rng.uniform(0, 5)), int(rng.integers(0, 4))) for _ in range(4)]
+    rows.sort()
+    at = 900.0 * np.array([row[0] for row in rows]) + rng.normal(0.0, 10.0, len(rows)).cumsum() / 9
+    types = np.array([row[1] for row in rows])
+    found = lap_period(np.sort(at), (types[:, None] == types[None, :]).astype(float), 200.0)
+    assert found == pytest.approx(900.0, rel=0.03)
+
+
+def test_one_gateway_makes_no_lap() -> None:
+    assert math.isnan(lap_period(np.array([3.0]), np.ones((1, 1)), 1.0))
