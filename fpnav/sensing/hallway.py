@@ -129,7 +129,7 @@ class Hallway:
         """Readings of both sides: openings that end where the wall goes on, or are given up."""
         for key, range_m in ((LEFT, seen.left_m), (RIGHT, seen.right_m)):
             side = self.sides[key]
-            hidden = side.hidden_m(self._half_beam)
+            hidden = side.hidden_m(self._half_beam, seen.apex_m)
             edge = side.update(at, self.path.lateral_m, range_m)
             if edge is not None and edge.opens:
                 self._began_m[key] = edge.at_m - hidden

@@ -143,10 +143,11 @@ class Side:
         self._covered_m = math.nan
         self._beyond: deque[tuple[float, float]] = deque()
 
-    def hidden_m(self, half_beam: float) -> float:
-        """How much of an opening's present end a beam hides that widens by ``half_beam`` a metre
-        to either side."""
-        return (self.wall_m + self._change.rise_m(self.opened)) * half_beam
+    def hidden_m(self, half_beam: float, apex_m: float = 0.0) -> float:
+        """How much of an opening's present end a beam hides that begins ``apex_m`` from the
+        robot's centre and widens by ``half_beam`` a metre to either side."""
+        away = max(self.wall_m - apex_m, 0.0) + self._change.rise_m(self.opened)
+        return away * half_beam
 
     @property
     def known(self) -> bool:

@@ -27,7 +27,8 @@ class Sides:
     """Distances from the robot's centre to what stands beside, before and behind it.
 
     ``front_m`` is the least within 20 degrees of ahead, ``ahead_m`` and ``behind_m`` are of one
-    transducer each. +inf: nothing in range; NaN: not known. ``beam_rad`` is the cone's full angle.
+    transducer each. +inf: nothing in range; NaN: not known. ``beam_rad`` is the cone's full angle,
+    ``apex_m`` how far from the robot's centre the cones to the sides begin.
     """
 
     left_m: float
@@ -36,6 +37,7 @@ class Sides:
     ahead_m: float
     behind_m: float
     beam_rad: float
+    apex_m: float = 0.0
 
 
 def ring_from_scan(scan: LaserScan, *, count: int, cone_rad: float) -> SonarRing:
@@ -77,7 +79,14 @@ def sides(ring: SonarRing, side_rad: float = SIDE_RAD) -> Sides:
         _median(centred, heading, 0.0, 0.0),
         _median(centred, heading, math.pi, 0.0),
         ring.field_of_view_rad,
+        _apex(x * np.cos(heading) + y * np.sin(heading), heading),
     )
+
+
+def _apex(out_m: FloatArray, heading: FloatArray) -> float:
+    """Mean distance of the transducers that look to either side from the centre; 0 of none."""
+    beside = np.abs(np.abs(heading) - math.pi / 2) <= FARTHEST_RAD + _EDGE_RAD
+    return float(out_m[beside].mean()) if beside.any() else 0.0
 
 
 def _seen_from_centre(scan: LaserScan) -> tuple[FloatArray, FloatArray]:

@@ -140,3 +140,11 @@ def test_a_wall_needs_some_travel() -> None:
     one = side(threshold())
     edges(one, [0.5] * 4, step_m=0.05)
     assert not one.known
+
+
+def test_a_cone_that_begins_nearer_to_the_wall_hides_less_of_an_opening() -> None:
+    side = Side(Wall(LEFT, 1.5, 1.5, 2.5), Threshold(0.5, 0.25, 2), 0.5)
+    for step in range(20):
+        side.update(0.1 * step, 0.0, 1.0)
+    assert side.hidden_m(0.25) == pytest.approx(0.375)
+    assert side.hidden_m(0.25, 0.2) == pytest.approx(0.325)

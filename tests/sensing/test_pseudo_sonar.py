@@ -118,3 +118,12 @@ def test_directions_without_a_transducer_are_unknown() -> None:
     assert math.isnan(seen.left_m)
     assert math.isnan(seen.right_m)
     assert math.isnan(seen.behind_m)
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.21])
+def test_cones_to_the_sides_begin_where_their_transducers_stand(radius: float) -> None:
+    heading = np.deg2rad([0.0, 90.0, 180.0, -90.0])
+    mounts = np.column_stack([radius * np.cos(heading), radius * np.sin(heading), heading])
+    ring = SonarRing(np.ones(4, np.float32), mounts, math.radians(30.0), 0.02, 6.0)
+    assert sides(ring).apex_m == pytest.approx(radius)
+    assert sides(ring).left_m == pytest.approx(1.0 + radius)

@@ -20,7 +20,7 @@ NOT_LOOKED = -1
 
 
 def features_of_frame(frame: Frame, params: GatewayParams) -> Features:
-    """``sides`` (6,) of the ring, empty without one; ``facing`` (1,) of the camera, -1 where no
+    """``sides`` (7,) of the ring, empty without one; ``facing`` (1,) of the camera, -1 where no
     picture was taken; ``cues`` of the picture."""
     ring = _ring(frame, params)
     seen = None if ring is None else sides(ring, math.radians(params.side_deg))
