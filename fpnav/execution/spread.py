@@ -6,11 +6,13 @@ items is under way, so memory does not grow with the length of a log.
 
 from __future__ import annotations
 
+import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
+from multiprocessing.connection import wait
 from typing import Any, Protocol, TypeVar
 
 from fpnav.errors import FpnavError, UsageError
@@ -112,10 +114,21 @@ def _in_order(
 
 
 def _prepare_worker() -> None:
-    """Workers leave signals to the parent and keep OpenCV to one thread."""
+    """Workers leave signals to the parent, end with it, and keep OpenCV to one thread."""
     import signal
+    import threading
 
     import cv2
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     cv2.setNumThreads(1)
+
+
+def _end_with_parent() -> None:
+    """Leave at once when the parent is gone, killed before it could say so: a worker that waits
+    for items holds both ends of its own queue and would wait for ever."""
+    parent = parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)
