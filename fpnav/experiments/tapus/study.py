@@ -109,4 +109,5 @@ STUDY = Study(
         "remapping": beyond.remapping,
         "dark": beyond.dark,
     },
+    most={"ablations": 2, "sensitivity": 1},
 )

@@ -71,13 +71,17 @@ def sensitivity(shop: Workshop, seed: int) -> Outcome:
 
 
 def _matched(shop: Workshop, seed: int, name: str, chosen: SystemChoice) -> list[Metric]:
-    """Matching alone under other parameters, on what was extracted once."""
+    """Matching alone under other parameters, on what was extracted once.
+
+    Places are cut anew; only the way back over known ground is joined, no long loops.
+    """
     log = mapping_log(shop, seed)
     header, built = make_map(
         _variant(shop, log, chosen),
         [log],
         guided=False,
         close_loops=True,
+        tables={"loops": {"rounds": 0}},
         advance=lambda done: None,
     )
     run = sampled(_variant(shop, test_log(shop, seed), chosen), FEWER)

@@ -61,11 +61,13 @@ class FingerprintMemory:
         self._current = place
         one = self._aligner.observation(signature)
         if place not in self._views:
-            self._views[place] = [one]
-            self._put(place, [one, *self._with_exemplar(place, signature, one)])
+            self._is_due(place, signature)
+            self._put(place, [one])
             return
-        mean = self._views[place][0]
-        rest = self._with_exemplar(place, signature, one)
+        mean, *rest = self._views[place]
+        if mean.observations == 1:  # so far the mean is itself what was seen first
+            rest = [mean] if self._params.exemplar_m > 0.0 or self._params.exemplars > 0 else []
+        rest = self._with_exemplar(place, signature, one, mean, rest)
         self._put(place, [self._aligner.fused(mean, one), *rest])
 
     def novelty(
@@ -104,7 +106,7 @@ class FingerprintMemory:
         turn = self._aligner.turn(mean, other)
         moved = [turned(one, turn) for one in others]
         if self._params.exemplar_m > 0.0:
-            rest = [*rest, *moved]
+            rest = [*(rest or [mean]), *(moved or [turned(other, turn)])]
         else:
             for one in moved:
                 rest = exemplars.added(rest, one, self._params.exemplars, self._aligner)
@@ -133,15 +135,15 @@ class FingerprintMemory:
         """prob_matching of two fingerprints, in [0, 1]."""
         return self._aligner.probability(*(self._aligner.strings([one]) for one in (first, second)))
 
-    def _with_exemplar(self, place: int, signature: Signature, one: Mean) -> list[Mean]:
+    def _with_exemplar(
+        self, place: int, signature: Signature, one: Mean, mean: Mean, rest: list[Mean]
+    ) -> list[Mean]:
         """Exemplars of a place after one more fingerprint, in the place's frame."""
-        mean, *rest = self._views[place]
         whole = self._params.exemplar_m > 0.0
-        if whole and not self._is_due(place, signature):
+        wanted = self._is_due(place, signature) if whole else self._params.exemplars > 0
+        if not wanted:
             return rest
-        if not whole and self._params.exemplars == 0:
-            return rest
-        seen = turned(one, self._aligner.turn(mean, one)) if mean is not one else one
+        seen = turned(one, self._aligner.turn(mean, one))
         if whole:
             return [*rest, seen]
         return exemplars.added(rest, seen, self._params.exemplars, self._aligner)

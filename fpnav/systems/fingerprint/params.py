@@ -85,7 +85,6 @@ PRESETS = {
         theta=0.50,
         certainty_min=0.03,
         cuts="view",
-        scores="learned",
         exemplar_m=0.3,
         segment="changepoint",
     ),
