@@ -61,12 +61,17 @@ sample-logs: $(READY) ## Make sample_logs/ anew, byte for byte
 reproduce-small: $(READY) ## Every paper's experiments in one world, shortened, to see that they run
 	$(BIN)/fpnav reproduce tapus --small --seeds 1 -o $(BUILD)/reproduce-small/tapus
 	$(BIN)/fpnav reproduce kortenkamp --small --seeds 1 -o $(BUILD)/reproduce-small/kortenkamp
+	$(BIN)/fpnav reproduce giovannangeli --small --seeds 1 -o $(BUILD)/reproduce-small/giovannangeli
 
 .PHONY: reproduce-kortenkamp
 reproduce-kortenkamp: $(READY) ## Kortenkamp and Weymouth in twenty simulated buildings (20 minutes on 2 cores)
 	$(BIN)/fpnav reproduce kortenkamp --jobs 2 \
 		--seeds 1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20 \
 		-o $(BUILD)/reproduce/kortenkamp
+
+.PHONY: reproduce-giovannangeli
+reproduce-giovannangeli: $(READY) ## Giovannangeli et al. in five simulated worlds (20 minutes on 2 cores)
+	$(BIN)/fpnav reproduce giovannangeli --jobs 2 -o $(BUILD)/reproduce/giovannangeli
 
 .PHONY: reproduce-tapus
 reproduce-tapus: $(READY) ## Tapus et al. in five simulated offices (20 minutes on 2 cores)

@@ -9,6 +9,7 @@ BENCHMARKS = {
     "startup": "fpnav --help against importing click",
     "alignment": "cyclic alignment against Biopython's aligner",
     "read_scans": "reading all scans of a log against mcap-ros2-support",
+    "landmarks": "30 local views against many landmarks, against faiss",
     "simulator": "simulated frames per second",
     "hardness": "the simulated office: plain peers beside the paper's fingerprint",
 }

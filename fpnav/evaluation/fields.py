@@ -107,9 +107,14 @@ def widths(fields: Fields, share: float) -> FloatArray:
     return np.array([_width(fields, place, share) for place in range(len(fields.learned_m))])
 
 
+def half_width(fields: Fields) -> float:
+    """Mean width at half height, m."""
+    return float(widths(fields, 0.5).mean())
+
+
 def half_width_ratio(soft: Fields, strict: Fields) -> Metric:
     """Mean width at half height of the fields of one run over that of another."""
-    ratio = float(widths(soft, 0.5).mean() / max(widths(strict, 0.5).mean(), 1e-9))
+    ratio = half_width(soft) / max(half_width(strict), 1e-9)
     return Metric("half_width_ratio", ratio, len(soft.learned_m), len(soft.learned_m))
 
 

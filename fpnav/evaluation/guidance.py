@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fpnav.evaluation.accepted import Bools
 from fpnav.evaluation.bootstrap import BLOCK
 from fpnav.evaluation.case import Case
 from fpnav.evaluation.measure import Absent, Measure, share
@@ -23,10 +24,10 @@ from fpnav.values import FloatArray, Metric
 HOME_M = 0.3
 """A trip is home when it ends so near the goal; nearer, no direction is judged."""
 
-ASTRAY_M = 3.0
-"""A trip that is ever so far from its route has left it."""
+ASTRAY_M = 5.0
+"""A trip that is ever farther from its route has left it: the width of a street."""
 
-CLOSED_M = 2.0
+CLOSED_M = 3.0
 """A trip along a route ends where the route ends, to so many metres."""
 
 AHEAD_M = 1.0
@@ -44,8 +45,7 @@ def homing_success(name: str, case: Case) -> Metric | Absent:
         return Absent("the task was to follow a route, not to come to a goal")
     if not driven(case.result):
         return Absent("the policy was asked on a log and moved nobody")
-    ends = np.array([trip["truth"][-1, :2] for trip in trips(case.result)])
-    home = np.hypot(*(ends - goal).T) <= HOME_M
+    home = ends_home(case.result.actions, goal)
     return share(name, home, np.ones(len(home), bool), block=1)
 
 
@@ -57,8 +57,7 @@ def route_closed(name: str, case: Case) -> Metric | Absent:
         return Absent("the task was to come to a goal, not to follow a route")
     if not driven(case.result):
         return Absent("the policy was asked on a log and moved nobody")
-    way = way_of(case.result)
-    closed = np.array([_closed(trip["truth"], way) for trip in trips(case.result)])
+    closed = follows(case.result.actions, way_of(case.result))
     return share(name, closed, np.ones(len(closed), bool), block=1)
 
 
@@ -69,8 +68,7 @@ def action_within(limit_deg: float) -> Measure:
         actions = case.result.actions
         if not len(actions):
             return NO_ACTIONS
-        error = action_error(case.result)
-        known = np.isfinite(taught(case.result))
+        error, known = action_error(case.result), np.isfinite(taught(case.result))
         if not known.any():
             return Absent("no decision has a pose in truth and a direction of the teacher")
         return share(name, error <= math.radians(limit_deg), known, BLOCK)
@@ -80,29 +78,56 @@ def action_within(limit_deg: float) -> Measure:
 
 def action_error(result: Result) -> FloatArray:
     """Angle (A,) between what was wanted and what the teacher would do, rad; pi where nothing."""
-    actions = result.actions
-    wanted = actions["truth"][:, 2] + actions["wanted_rad"]
-    error = angular_distance(wanted, taught(result))
-    return np.asarray(np.where(np.isfinite(error), error, math.pi))
+    return error_of(result.actions, taught(result))
 
 
 def taught(result: Result) -> FloatArray:
-    """Direction (A,) of the teacher at each decision, in the world; NaN where there is none.
-
-    To the goal, or on along the route from its nearest point.
-    """
-    at = result.actions["truth"][:, :2]
+    """Direction (A,) of the teacher at each decision, in the world; NaN where there is none."""
     goal = goal_of(result)
     if goal is not None:
-        apart = goal - at
-        direction = np.arctan2(apart[:, 1], apart[:, 0])
-        return np.asarray(np.where(np.hypot(*apart.T) > HOME_M, direction, np.nan))
-    return _along(at, way_of(result))
+        return taught_home(result.actions, goal)
+    return taught_along(result.actions, way_of(result))
 
 
-def trips(result: Result) -> list[NDArray[Any]]:
+def taught_home(actions: NDArray[Any], goal: FloatArray) -> FloatArray:
+    """Direction (A,) to the goal; NaN within HOME_M of it."""
+    apart = goal - actions["truth"][:, :2]
+    direction = np.arctan2(apart[:, 1], apart[:, 0])
+    return np.asarray(np.where(np.hypot(*apart.T) > HOME_M, direction, np.nan))
+
+
+def taught_along(actions: NDArray[Any], way: FloatArray) -> FloatArray:
+    """Direction (A,) of the way from the point nearest to each position; NaN astray of it."""
+    at = actions["truth"][:, :2]
+    if len(way) < 2:
+        return np.full(len(at), np.nan)
+    ahead = max(1, round(AHEAD_M / SAMPLE_M))
+    later = way[np.minimum(np.arange(len(way)) + ahead, len(way) - 1)]
+    earlier = np.where((later == way).all(axis=1)[:, None], way[max(0, len(way) - 2)], way)
+    direction = np.arctan2(*(later - earlier).T[::-1])
+    nearest, apart = _nearest(at, way)
+    return np.asarray(np.where(apart <= ASTRAY_M, direction[nearest], np.nan))
+
+
+def error_of(actions: NDArray[Any], taught_rad: FloatArray) -> FloatArray:
+    """Angle (A,) between what was wanted and what is taught, rad; pi where either is unknown."""
+    error = angular_distance(actions["truth"][:, 2] + actions["wanted_rad"], taught_rad)
+    return np.asarray(np.where(np.isfinite(error), error, math.pi))
+
+
+def ends_home(actions: NDArray[Any], goal: FloatArray) -> Bools:
+    """Whether each trip ends within HOME_M of the goal, (T,)."""
+    ends = np.array([trip["truth"][-1, :2] for trip in trips(actions)])
+    return np.asarray(np.hypot(*(ends - goal).T) <= HOME_M)
+
+
+def follows(actions: NDArray[Any], way: FloatArray) -> Bools:
+    """Whether each trip passes all of a way, stays on it and ends where it ends, (T,)."""
+    return np.array([_closed(trip["truth"], way) for trip in trips(actions)], bool)
+
+
+def trips(actions: NDArray[Any]) -> list[NDArray[Any]]:
     """Decisions of each trip, in order."""
-    actions = result.actions
     return [actions[actions["trip"] == trip] for trip in np.unique(actions["trip"])]
 
 
@@ -116,7 +141,11 @@ def way_of(result: Result) -> FloatArray:
     """Route in the world, (n, 2), points SAMPLE_M apart: the task's, else the mapping run's."""
     way = task_of(result).get("way_m")
     points = result.references["truth"][:, :2] if way is None else np.array(way, dtype=np.float64)
-    points = points[np.isfinite(points).all(axis=1)]
+    return resampled(points[np.isfinite(points).all(axis=1)])
+
+
+def resampled(points: FloatArray) -> FloatArray:
+    """A way (n, 2) with points SAMPLE_M apart."""
     if len(points) < 2:
         return np.asarray(points)
     marks = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
@@ -133,18 +162,6 @@ def task_of(result: Result) -> Mapping[str, Any]:
     """The task of a result of ``navigate``, empty elsewhere."""
     task: Mapping[str, Any] = result.header.get("protocol", {}).get("task", {})
     return task
-
-
-def _along(at: FloatArray, way: FloatArray) -> FloatArray:
-    """Direction of the way at the point nearest to each position; NaN astray of it."""
-    if len(way) < 2:
-        return np.full(len(at), np.nan)
-    ahead = max(1, round(AHEAD_M / SAMPLE_M))
-    later = way[np.minimum(np.arange(len(way)) + ahead, len(way) - 1)]
-    earlier = np.where((later == way).all(axis=1)[:, None], way[max(0, len(way) - 2)], way)
-    direction = np.arctan2(*(later - earlier).T[::-1])
-    nearest, apart = _nearest(at, way)
-    return np.asarray(np.where(apart <= ASTRAY_M, direction[nearest], np.nan))
 
 
 def _nearest(at: FloatArray, way: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:

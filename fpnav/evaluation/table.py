@@ -295,8 +295,8 @@ METRICS: dict[str, Entry] = {
     "route_closed": Entry(
         route_closed,
         "Trips that follow their route to its end",
-        "share of the trips that pass at least nine tenths of the route, never more than 3 m from "
-        "it, and end within 2 m of its end",
+        "share of the trips that pass at least nine tenths of the route, never more than 5 m from "
+        "it, and end within 3 m of its end",
         "trips",
     ),
     "action_within_45": Entry(

@@ -25,8 +25,8 @@ from fpnav.sim.world import Point, Route
 from fpnav.store.tables import ACTION
 from fpnav.values import Frame, Pose2
 
-AT_END_M = 0.5
-"""A trip along a route is over so near its end, once most of the route lies behind."""
+BESIDE_M = 5.0
+"""A trip along a route is over where it passes the end of it, at most so far to the side."""
 
 STILL = 8
 """Decisions for which a robot that has arrived stands still before its trip is over."""
@@ -140,9 +140,12 @@ def _row(frame: Frame, decision: Decision, *, bumped: bool) -> tuple[Any, ...]:
 
 
 def _at_end(robot: SimulatedRobot, expedition: Expedition, gone_m: float) -> bool:
+    """Whether the robot has come past the end of the route, most of which lies behind it."""
     if not expedition.follow:
         return False
     points = expedition.route.points
     length = sum(math.dist(a, b) for a, b in itertools.pairwise(points))
-    end = math.dist(points[-1], (robot.pose.x_m, robot.pose.y_m))
-    return end <= AT_END_M and gone_m >= 0.8 * length
+    (x0, y0), (x, y) = points[-2:]
+    across, along = robot.pose.x_m - x, robot.pose.y_m - y
+    past = across * (x - x0) + along * (y - y0) >= 0.0
+    return past and math.hypot(across, along) <= BESIDE_M and gone_m >= 0.8 * length

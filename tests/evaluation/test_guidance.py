@@ -71,7 +71,7 @@ def test_a_route_is_closed_when_all_of_it_is_passed_without_straying() -> None:
     trips = {
         "whole": along,
         "short": along[:14],
-        "astray": [*along[:5], (5.0, 4.0, 0.0), *along[5:]],
+        "astray": [*along[:5], (4.0, 6.0, 0.0), *along[5:]],
         "a cut": [along[0], along[-1]],
     }
     closed = {}

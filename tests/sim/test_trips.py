@@ -43,7 +43,7 @@ def expedition(decisions: int = 100, *, follow: bool = False, trips: int = 1) ->
 
 def test_a_trip_along_a_route_ends_where_the_route_ends() -> None:
     rows = travel(set_stage(hall_world()), expedition(follow=True), Straight)  # type: ignore[arg-type]
-    assert rows["truth"][-1, 0] == pytest.approx(5.5, abs=0.13)
+    assert rows["truth"][-1, 0] == pytest.approx(6.0, abs=0.13)
     assert set(rows["place"].tolist()) == {7}
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,6 +39,9 @@ LEARN, TEST = 1, 3
 SCALES = (0.25, 0.5, 1.0, 2.0)
 """Sizes of the outdoor world; at 1 landmarks stand 10 to 50 m away."""
 
+SMALL_STEP_M = {"room": 0.1, "outdoor": 0.5}
+"""Steps along the lines in small."""
+
 SAME_DAY: Tables = {"world": {"moved_share": 0.0}, "film": {"exposure_spread": 0.01}}
 """Nothing is moved between learning and test; the gain of the camera is fixed."""
 
@@ -53,17 +58,17 @@ def choice(preset: str, **changes: Any) -> SystemChoice:
 
 def soft_and_strict(shop: Workshop, seed: int) -> Outcome:
     """B1, figure 3: five places 60 cm apart in a room, soft and strict competition."""
-    learn = shop.log(_job("room", seed, LEARN, SAME_LAMPS, step_m=0.2))
-    test = shop.log(_job("room", seed, TEST, SAME_LAMPS))
+    learn = shop.log(line_job(shop, "room", seed, LEARN, SAME_LAMPS, step_m=0.2))
+    test = shop.log(line_job(shop, "room", seed, TEST, SAME_LAMPS))
     soft = line(shop, learn, test, choice("fig3b"))
     strict = line(shop, learn, test, choice("fig3b", interpretations=1))
     wins = nearest_wins(soft), nearest_wins(strict)
     metrics = [
         min(wins, key=lambda metric: metric.value),
-        _named(wins[0], "nearest_wins_soft"),
-        _named(wins[1], "nearest_wins_strict"),
-        _named(silent(soft), "silent_samples_soft"),
-        _named(silent(strict), "silent_samples_strict"),
+        named(wins[0], "nearest_wins_soft"),
+        named(wins[1], "nearest_wins_strict"),
+        named(silent(soft), "silent_samples_soft"),
+        named(silent(strict), "silent_samples_strict"),
         half_width_ratio(soft, strict),
         max((peak_error(soft), peak_error(strict)), key=lambda metric: metric.value),
         learned_activity(soft),
@@ -77,18 +82,18 @@ def soft_and_strict(shop: Workshop, seed: int) -> Outcome:
 
 def short_term_memory(shop: Workshop, seed: int) -> Outcome:
     """B2, figure 4: six places 5 m apart in the open, with and without short-term memory."""
-    learn = shop.log(_job("outdoor", seed, LEARN, SAME_DAY, step_m=1.0))
-    test = shop.log(_job("outdoor", seed, TEST, SAME_DAY))
+    learn = shop.log(line_job(shop, "outdoor", seed, LEARN, SAME_DAY, step_m=1.0))
+    test = shop.log(line_job(shop, "outdoor", seed, TEST, SAME_DAY))
     without = line(shop, learn, test, choice("fig4c", qmax=0))
     held = line(shop, learn, test, choice("fig4c"))
     window = line(shop, learn, test, choice("fig4c", stm="window"))
     metrics = [
         roughness_ratio(held, without),
-        _named(roughness_ratio(window, without), "roughness_ratio_window"),
+        named(roughness_ratio(window, without), "roughness_ratio_window"),
         learned_activity(held),
-        _named(learned_activity(without), "learned_activity_without"),
+        named(learned_activity(without), "learned_activity_without"),
         nearest_wins(held),
-        _named(nearest_wins(without), "nearest_wins_without"),
+        named(nearest_wins(without), "nearest_wins_without"),
         _diameter(held),
     ]
     pictures = [
@@ -101,24 +106,25 @@ def short_term_memory(shop: Workshop, seed: int) -> Outcome:
 def growing_fields(shop: Workshop, seed: int) -> Outcome:
     """B3: the diameter of the fields over the size of the world."""
     diameters = []
-    for scale in SCALES:
+    scales = SCALES[::2] if shop.small else SCALES
+    for scale in scales:
         learn, test = (_scaled(shop, seed, run, scale) for run in (LEARN, TEST))
         fields = line(shop, learn, test, choice("fig4c"))
         diameters.append(float(widths(fields, FIELD_SHARE).mean()))
-    metrics = [field_slope(np.array(SCALES), np.array(diameters))]
+    metrics = [field_slope(np.array(scales), np.array(diameters))]
     metrics += [
         Metric(f"diameter_at_scale_{scale:g}", width, 1, 1, "m")
-        for scale, width in zip(SCALES, diameters, strict=True)
+        for scale, width in zip(scales, diameters, strict=True)
     ]
-    return Outcome(metrics, (), {"preset": "fig4c", "scales": list(SCALES)})
+    return Outcome(metrics, (), {"preset": "fig4c", "scales": list(scales)})
 
 
 def occluded(shop: Workshop, seed: int) -> Outcome:
     """B4, figure 7: half of the view hidden from the middle of the line on, eq. 3 and eq. 4."""
-    learn = shop.log(_job("outdoor", seed, LEARN, SAME_DAY, step_m=1.0))
-    free_log = shop.log(_job("outdoor", seed, TEST, SAME_DAY))
+    learn = shop.log(line_job(shop, "outdoor", seed, LEARN, SAME_DAY, step_m=1.0))
+    free_log = shop.log(line_job(shop, "outdoor", seed, TEST, SAME_DAY))
     hidden = {**SAME_DAY, "mask": {"share": 0.5, "from_share": 0.5}}
-    hidden_log = shop.log(_job("outdoor", seed, TEST, hidden))
+    hidden_log = shop.log(line_job(shop, "outdoor", seed, TEST, hidden))
     metrics: list[Metric] = []
     pictures = []
     for name, rho_l in (("", 0.25), ("_eq3", 1.0)):
@@ -128,42 +134,59 @@ def occluded(shop: Workshop, seed: int) -> Outcome:
         ratio, winner = occlusion(dark, free, middle)
         near = nearest_wins(dark.between(middle, np.inf))
         metrics += [
-            _named(ratio, f"occlusion_peak_ratio{name}"),
-            _named(winner, f"occlusion_winner{name}"),
-            _named(near, f"occlusion_nearest_wins{name}"),
+            named(ratio, f"occlusion_peak_ratio{name}"),
+            named(winner, f"occlusion_winner{name}"),
+            named(near, f"occlusion_nearest_wins{name}"),
         ]
         title = "Figure 7b here: eq. 4" if rho_l < 1.0 else "Figure 7a here: eq. 3"
         pictures.append(_picture(f"hidden{name}", title, dark, middle))
     return Outcome(metrics, pictures, {"preset": "fig7b"})
 
 
-def line(shop: Workshop, learn: Any, test: Any, chosen: SystemChoice) -> Fields:
+def line(shop: Workshop, learn: Path, test: Path, chosen: SystemChoice) -> Fields:
     """Fields of the places labelled on one log, over another along the same line."""
-    run = shop.run(learn, chosen)
+    return line_of(shop, learn, shop.run(test, chosen), chosen)
+
+
+def line_of(shop: Workshop, learn: Path, asked: Run, chosen: SystemChoice) -> Fields:
+    """The same over a run that is extracted already."""
     header, built = make_map(
-        labelled(run), [learn], guided=True, close_loops=False, advance=lambda done: None
+        labelled(shop.run(learn, chosen)),
+        [learn],
+        guided=True,
+        close_loops=False,
+        advance=lambda done: None,
     )
-    asked = shop.run(test, chosen)
     result = locate_run(
         asked.system, header, built, asked, method=Method.MATCH, advance=lambda done: None
     )
     return fields_of(result)
 
 
-def labelled(run: Run) -> Run:
-    """The first signature of every place named on the way."""
+def labelled(run: Run, names: Sequence[str] = ()) -> Run:
+    """The first signature of every place named on the way, or of those asked for."""
     first: dict[str, int] = {}
     for row, signature in enumerate(run.table):
         label = signature.reference.label
-        if label.startswith("place-"):
+        if label in names or (not names and label.startswith("place-")):
             first.setdefault(label, row)
     return Run(run.header, take(run.table, np.array(list(first.values()))), run.system)
 
 
-def _job(world: str, seed: int, run: int, tables: Tables, step_m: float = 0.0) -> Job:
-    """A drive along the line of a world, panorama only; its own step where none is given."""
+def line_job(
+    shop: Workshop,
+    world: str,
+    seed: int,
+    run: int,
+    tables: Tables,
+    step_m: float = 0.0,
+    sensors: Sequence[str] = ("panorama",),
+) -> Job:
+    """A drive along the line of a world; its own step where none is given, longer in small."""
+    if shop.small:
+        step_m = max(step_m, SMALL_STEP_M[world])
     changed = {**tables, "capture": {"step_m": step_m}}
-    return job_of(world, "line", seed, run, sensors=["panorama"], tables=changed)
+    return job_of(world, "line", seed, run, sensors=sensors, tables=changed)
 
 
 def _inner(fields: Fields) -> Fields:
@@ -189,7 +212,7 @@ def _diameter(fields: Fields) -> Metric:
     return Metric("field_diameter_m", float(found.mean()), len(found), len(found), "m")
 
 
-def _named(metric: Metric, name: str) -> Metric:
+def named(metric: Metric, name: str) -> Metric:
     return Metric(name, metric.value, metric.n, metric.of, metric.unit, metric.low, metric.high)
 
 

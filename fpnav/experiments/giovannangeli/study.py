@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fpnav.experiments.giovannangeli import lines
+from fpnav.experiments.giovannangeli import carried, lines, text, trips
 from fpnav.experiments.study import Study
 from fpnav.report.study import Claim, Heading
 
@@ -23,6 +23,16 @@ HEADING = Heading(
         "B2": "Short-term memory outdoors (figure 4)",
         "B3": "Fields grow with the world",
         "B4": "Half of the view hidden (figure 7)",
+        "B5": "Homing (figure 6)",
+        "B6": "A loop learned in the afternoon, driven in the morning (figure 8)",
+        "B7": "Set down elsewhere",
+        "P1": "An S-shaped street on several days",
+        "P2": "Landmarks added and removed",
+        "P3": "Three place-action pairs",
+        "P4": "A drifting azimuth",
+        "P5": "Partial views that stream",
+        "P6": "Bounded memory",
+        "S": "What the paper does not say",
     },
 )
 
@@ -44,6 +54,28 @@ CLAIMS = (
     Claim("B4", "occlusion_winner", "and the winners", "kept", least=0.9,
           meaning="samples whose winner is that without hiding"),
     Claim("B4", "occlusion_peak_ratio_eq3", "eq. 3 collapses", "collapses", most=0.6),
+    Claim("B5", "homing_success", "eight places draw the robot home", "from all the basin",
+          least=0.98, meaning="trips from the disc of 1.5 m that end within 0.3 m of the goal"),
+    Claim("B5", "homing_success_people", "also with somebody walking about", "robust", least=0.9,
+          meaning="the same"),
+    Claim("B6", "route_closed", "the loop closes at another time of day", "closes", least=1.0,
+          meaning="trips that pass all of the loop and end where it ends"),
+    Claim("B6", "action_within_45", "actions are those of the teacher", "all the way", least=0.95,
+          meaning="decisions within 45 degrees of the way taught"),
+    Claim("B7", "recovered", "set down elsewhere, the right cell wins at once", "robust",
+          least=0.95, meaning="jumps after which the first panorama's winner is the nearest place"),
+    Claim("P1", "route_closed", "a street learned once is followed on other days", "followed",
+          least=1.0, meaning="drives of two other days that come to the end of the street"),
+    Claim("P2", "nearest_wins", "places survive added and removed landmarks", "robust",
+          meaning="half of what can be moved was moved"),
+    Claim("P3", "homing_success", "three pairs make a basin", "enough", least=0.9,
+          meaning="trips that end within 0.3 m of the goal"),
+    Claim("P4", "winner_kept", "ranks survive azimuth drift", "kept", least=0.9,
+          meaning="samples with the winner they have without drift"),
+    Claim("P5", "field_correlation", "partial views give the fields of the panorama", "the same",
+          least=0.9, meaning="correlation of the activities at the same positions"),
+    Claim("P6", "nearest_wins_bounded", "a third of the landmarks tells places apart",
+          "growth is an open problem", meaning="beside nearest_wins_plain"),
 )  # fmt: skip
 
 STUDY = Study(
@@ -54,5 +86,16 @@ STUDY = Study(
         "B2": lines.short_term_memory,
         "B3": lines.growing_fields,
         "B4": lines.occluded,
+        "B5": trips.homing_from_all_around,
+        "B6": trips.closing_the_loop,
+        "B7": carried.carried_off,
+        "P1": text.street,
+        "P2": text.moved,
+        "P3": text.three_pairs,
+        "P4": text.drifting,
+        "P5": text.partial_views,
+        "P6": text.bounded,
+        "S": text.silent_points,
     },
+    most={"P1": 2, "P2": 2, "S": 1},
 )

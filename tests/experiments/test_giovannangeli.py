@@ -1,0 +1,71 @@
+"""The parts of the study of Giovannangeli et al. that need no log."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from fpnav.experiments.giovannangeli import STUDY
+from fpnav.experiments.giovannangeli.carried import BETWEEN, JUMPS, jumping
+from fpnav.experiments.giovannangeli.lines import SMALL_STEP_M, line_job
+from fpnav.experiments.giovannangeli.text import DRIFT_DEG, drifted
+from fpnav.experiments.giovannangeli.trips import success, within
+from fpnav.store.tables import ACTION, REFERENCE, Ragged, SignatureTable
+
+
+def table(x_m: np.ndarray[Any, Any]) -> SignatureTable:
+    references = np.zeros(len(x_m), REFERENCE)
+    references["truth"][:, 0] = x_m
+    return SignatureTable(
+        references, np.zeros(len(x_m), "i4"), {"none": Ragged.of([], np.dtype("i4"))}
+    )
+
+
+def test_every_claim_is_about_an_experiment_with_a_title() -> None:
+    assert set(STUDY.heading.titles) == set(STUDY.experiments)
+    assert {claim.experiment for claim in STUDY.claims} <= set(STUDY.experiments)
+    assert {f"B{k}" for k in range(1, 8)} <= set(STUDY.experiments)
+
+
+def test_jumps_go_to_another_place_and_stay_there_a_while() -> None:
+    places = [SimpleNamespace(id=k + 3, members=(k,)) for k in range(4)]
+    built = SimpleNamespace(
+        topomap=SimpleNamespace(places=places), signatures=table(np.arange(4.0))
+    )
+    run = SimpleNamespace(table=table(np.linspace(0.0, 3.0, 120)))
+    rows, first, nearest = jumping(cast(Any, built), cast(Any, run), seed=1)
+    x = run.table.references["truth"][rows, 0]
+    assert len(first) == len(nearest) == JUMPS
+    assert len(rows) == BETWEEN * (JUMPS + 1)
+    assert np.round(x[first]).astype(int).tolist() == (nearest - 3).tolist()
+    assert (np.abs(x[first] - x[first - 1]) > 1.0).all()
+    assert np.abs(x[first] - np.round(x[first])).max() <= 0.4 + 1e-9
+
+
+def test_the_drift_of_the_azimuth_grows_and_goes_again() -> None:
+    run = cast(Any, SimpleNamespace(header={}, table=table(np.arange(11.0)), system=None))
+    off = np.rad2deg(drifted(run).table.references["heading_rad"])
+    assert off[[0, 5, 10]] == pytest.approx([0.0, DRIFT_DEG, 0.0], abs=1e-9)
+    assert (run.table.references["heading_rad"] == 0.0).all()
+
+
+def test_small_runs_take_longer_steps() -> None:
+    step = {
+        small: line_job(
+            cast(Any, SimpleNamespace(small=small)), "room", 1, 1, {}
+        ).rig.capture.step_m
+        for small in (False, True)
+    }
+    assert step == {False: 0.0, True: SMALL_STEP_M["room"]}
+
+
+def test_decisions_without_a_direction_are_not_within_45_degrees() -> None:
+    actions = np.zeros(4, ACTION)
+    actions["wanted_rad"] = [0.0, 0.7, 0.9, math.nan]
+    found = within("x", actions, np.zeros(4))
+    assert (found.n, found.of) == (2, 4)
+    assert success("y", np.array([True, False])).value == 0.5
