@@ -143,15 +143,19 @@ def occluded(shop: Workshop, seed: int) -> Outcome:
     return Outcome(metrics, pictures, {"preset": "fig7b"})
 
 
-def line(shop: Workshop, learn: Path, test: Path, chosen: SystemChoice) -> Fields:
-    """Fields of the places labelled on one log, over another along the same line."""
-    return line_of(shop, learn, shop.run(test, chosen), chosen)
+def line(
+    shop: Workshop, learn: Path, test: Path, chosen: SystemChoice, names: Sequence[str] = ()
+) -> Fields:
+    """Fields of the places labelled on one log, or of those named, over another along the line."""
+    return line_of(shop, learn, shop.run(test, chosen), chosen, names)
 
 
-def line_of(shop: Workshop, learn: Path, asked: Run, chosen: SystemChoice) -> Fields:
+def line_of(
+    shop: Workshop, learn: Path, asked: Run, chosen: SystemChoice, names: Sequence[str] = ()
+) -> Fields:
     """The same over a run that is extracted already."""
     header, built = make_map(
-        labelled(shop.run(learn, chosen)),
+        labelled(shop.run(learn, chosen), names),
         [learn],
         guided=True,
         close_loops=False,

@@ -61,7 +61,7 @@ CLAIMS = (
     Claim("B6", "route_closed", "the loop closes at another time of day", "closes", least=1.0,
           meaning="trips that pass all of the loop and end where it ends"),
     Claim("B6", "action_within_45", "actions are those of the teacher", "all the way", least=0.95,
-          meaning="decisions within 45 degrees of the way taught"),
+          meaning="within 45 degrees of the way taught, on a log of it in the morning"),
     Claim("B7", "recovered", "set down elsewhere, the right cell wins at once", "robust",
           least=0.95, meaning="jumps after which the first panorama's winner is the nearest place"),
     Claim("P1", "route_closed", "a street learned once is followed on other days", "followed",

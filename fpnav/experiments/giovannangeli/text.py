@@ -42,6 +42,9 @@ from fpnav.values import Metric
 THREE = ("place-1", "place-4", "place-6")
 """Places at 0, 135 and 225 degrees about the goal: three pairs make a basin."""
 
+INNER = tuple(f"place-{k}" for k in range(2, 6))
+"""Places before and after which the camera has panned all the way."""
+
 DRIFT_DEG = 15.0
 """Largest error of the azimuth that builds up along the line."""
 
@@ -127,7 +130,7 @@ def partial_views(shop: Workshop, seed: int) -> Outcome:
             shop.log(line_job(shop, "outdoor", seed, run, SAME_DAY, 1.0, [sensor]))
             for run in (LEARN, TEST)
         )
-        fields.append(line(shop, learn, test, choice("fig8", focus=54, **change)))
+        fields.append(line(shop, learn, test, choice("fig8", focus=54, **change), INNER))
     at = fields[1].position_m
     streamed = np.column_stack(
         [np.interp(at, fields[0].position_m, column) for column in fields[0].activity.T]

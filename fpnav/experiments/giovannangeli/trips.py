@@ -99,7 +99,10 @@ def homing_from_all_around(shop: Workshop, seed: int) -> Outcome:
 
 
 def closing_the_loop(shop: Workshop, seed: int) -> Outcome:
-    """B6, figure 8: a loop of 100 m learned at five, driven at ten the next morning."""
+    """B6, figure 8: a loop of 100 m learned at five, driven at ten the next morning.
+
+    Actions are judged on a log of the teacher's way that morning, and on the robot's own.
+    """
     length = {"capture": {"length_m": 20.0}} if shop.small else {}
     learn = job_of("suburb", "loop", seed, LEARN, tables=length)
     leader = taught_way(shop, learn, choice("fig8", spacing_m=PLACES_EVERY_M))
@@ -109,8 +112,8 @@ def closing_the_loop(shop: Workshop, seed: int) -> Outcome:
     asked = asked_on_log(leader(), again.table)
     metrics = [
         success("route_closed", follows(driven, way)),
-        within("action_within_45", driven, taught_along(driven, way)),
-        within("action_within_45_asked", asked, taught_along(asked, way)),
+        within("action_within_45", asked, taught_along(asked, way)),
+        within("action_within_45_driven", driven, taught_along(driven, way)),
         bumps("bumps", driven),
     ]
     title = "Figure 8 here: the loop in the morning"
@@ -182,7 +185,9 @@ def within(name: str, actions: NDArray[Any], taught_rad: FloatArray) -> Metric:
     """Share of the decisions within 45 degrees of what is taught, where anything is."""
     known = np.isfinite(taught_rad)
     right = (error_of(actions, taught_rad) <= math.radians(45.0)) & known
-    return Metric(name, right.sum() / max(1, known.sum()), int(right.sum()), int(known.sum()))
+    return Metric(
+        name, float(right.sum() / max(1, known.sum())), int(right.sum()), int(known.sum())
+    )
 
 
 def bumps(name: str, actions: NDArray[Any]) -> Metric:
