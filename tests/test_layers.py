@@ -43,7 +43,7 @@ BRINGS = {
 
 EVERYWHERE = {"numpy", "msgspec", "networkx", "cv2", "numba"}
 SIBLINGS = {
-    "fpnav.systems": {"base", "descriptors", "images", "calibration"},
+    "fpnav.systems": {"base", "descriptors", "images", "lasers", "calibration"},
     "fpnav.logs.sources": {"base"},
     "fpnav.export": {"subject", "graph", "scene_parts"},
 }

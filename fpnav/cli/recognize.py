@@ -50,8 +50,8 @@ def _heading(ctx: click.Context, parameter: click.Parameter, value: str) -> floa
     help="Degrees between headings that still count as the same place, or any.",
 )  # fmt: skip
 @click.option(
-    "--verify-top", type=click.IntRange(0), default=20, show_default=True,
-    help="Candidates checked geometrically, where the system has such a check.",
+    "--verify-top", type=click.IntRange(0), default=200, show_default=True,
+    help="Candidates a query's geometric check may look at, where the system has one.",
 )  # fmt: skip
 @options.truth
 @options.system_options

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from fpnav.errors import LogError
 from fpnav.localization.confidence import Confidence, fit_confidence
 from fpnav.localization.locate import Advance, Answers, frame_memory, recall_all
+from fpnav.localization.verify import checked_scores, verified
 from fpnav.store.tables import SignatureTable
-from fpnav.systems.base import Memory, Recall, System, Verification
-from fpnav.values import FloatArray, Signature
+from fpnav.systems.base import Memory, Recall, System
+from fpnav.values import FloatArray
 
 SAMPLE = 200
 """Reference signatures looked at to learn what right and wrong scores look like."""
@@ -78,9 +77,12 @@ def recognize(
         return np.asarray(rows[None, :] < candidates[start:stop, None])
 
     recall = recall_all(memory, queries, max(depth, verify_top), allowed, advance)
-    recall, relative, covariance = _verified(system, reference, queries, recall, verify_top)
-    confidence = _confidence(system, memory, reference, verify=verify_top > 0)
-    stated = confidence.stated(recall.scores[:, 0])
+    checked = verified(system, reference, queries, recall, verify_top)
+    recall, stated = checked.recall, checked.stated
+    silent = np.isnan(stated)
+    if silent.any():
+        confidence = _confidence(system, memory, reference, verify=verify_top > 0)
+        stated = np.where(silent, confidence.stated(recall.scores[:, 0]), stated)
     decided = (recall.places[:, 0] >= 0) & (stated >= 0.5)
     return Answers(
         places=recall.places[:, :depth],
@@ -91,46 +93,9 @@ def recognize(
         stated=stated,
         entropy=np.full(len(queries), np.nan),
         belief=np.zeros((len(queries), 0), dtype=np.float32),
-        relative=relative,
-        covariance=covariance,
+        relative=checked.relative,
+        covariance=checked.covariance,
     )
-
-
-def _verified(
-    system: System,
-    reference: Sequence[Signature],
-    queries: Sequence[Signature],
-    recall: Recall,
-    top: int,
-) -> tuple[Recall, FloatArray, FloatArray]:
-    """Ranking reordered by the geometric check, with the relative poses it gave."""
-    places, scores = recall.places.copy(), recall.scores.copy()
-    headings = recall.headings_rad.copy()
-    relative = np.full((len(queries), 3), np.nan)
-    covariance = np.full((len(queries), 3, 3), np.nan)
-    for row in range(len(queries)):
-        ranked = places[row, :top][places[row, :top] >= 0]
-        if len(ranked) == 0:
-            continue
-        checked = system.verify(queries[row], [reference[int(place)] for place in ranked])
-        if checked is None:
-            return recall, relative, covariance
-        order = np.lexsort((ranked, -checked.scores))
-        places[row, : len(ranked)] = ranked[order]
-        scores[row, : len(ranked)] = checked.scores[order]
-        headings[row, : len(ranked)] = headings[row, : len(ranked)][order]
-        scores[row, len(ranked) :] = np.minimum(scores[row, len(ranked) :], checked.scores.min())
-        _keep_pose(checked, int(order[0]), relative[row], covariance[row])
-    return Recall(places, scores, headings), relative, covariance
-
-
-def _keep_pose(
-    checked: Verification, best: int, relative: FloatArray, covariance: FloatArray
-) -> None:
-    found = checked.relative[best]
-    if found is not None:
-        relative[:] = found.pose.x_m, found.pose.y_m, found.pose.heading_rad
-        covariance[:] = np.reshape(found.covariance, (3, 3))
 
 
 def _confidence(
@@ -158,7 +123,7 @@ def _confidence(
     wrong = recall_all(memory, queries, 10, others, lambda done: None)
     found = [_last(recall) for recall in (right, wrong)]
     if verify:
-        return fit_confidence(*(_checked(system, reference, queries, *one) for one in found))
+        return fit_confidence(*(checked_scores(system, reference, queries, *one) for one in found))
     return fit_confidence(*(scores for _, scores in found))
 
 
@@ -167,20 +132,3 @@ def _last(recall: Recall) -> tuple[NDArray[np.int64], FloatArray]:
     rows = np.arange(len(recall.places))
     last = np.maximum((recall.places >= 0).sum(axis=1) - 1, 0)
     return recall.places[rows, last], recall.scores[rows, last]
-
-
-def _checked(
-    system: System,
-    reference: Sequence[Signature],
-    queries: Sequence[Signature],
-    places: NDArray[np.int64],
-    scores: FloatArray,
-) -> FloatArray:
-    """Scores on the scale of the geometric check, where the system has one."""
-    out = scores.copy()
-    for row in np.flatnonzero(places >= 0).tolist():
-        checked = system.verify(queries[row], [reference[int(places[row])]])
-        if checked is None:
-            return scores
-        out[row] = checked.scores[0]
-    return out

@@ -89,11 +89,13 @@ class Verification:
     """Outcome of the geometric check of one query against n candidates, in their order.
 
     ``scores`` : (n,) float64, replaces the recall scores for ranking; ``relative`` : n poses of
-    the query as seen from each candidate, None where the check gives none.
+    the query as seen from each candidate, None where the check gives none; ``stated`` : (n,)
+    probability that each is the same place, None where the system leaves that to its scores.
     """
 
     scores: FloatArray
     relative: tuple[RelativePose | None, ...]
+    stated: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -20,6 +20,9 @@ SYSTEMS: dict[str, str] = {
     "ridf": "fpnav.systems.ridf:Ridf",
     "vlad": "fpnav.systems.vlad:Vlad",
     "fourier": "fpnav.systems.fourier:FourierSignature",
+    "polar": "fpnav.systems.polar:Polar",
+    "cornerpairs": "fpnav.systems.cornerpairs:CornerPairs",
+    "correlative": "fpnav.systems.correlative:Correlative",
 }
 
 

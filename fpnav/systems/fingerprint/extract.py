@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from fpnav.geometry import TAU
 from fpnav.sensing import corners as laser
 from fpnav.sensing import edges, hues, panorama
+from fpnav.sensing.rays import RAY, rays_of
 from fpnav.systems.fingerprint.params import FingerprintParams
 from fpnav.systems.fingerprint.symbols import (
     ALPHABET,
@@ -42,6 +43,16 @@ def features_of_frame(frame: Frame, params: FingerprintParams) -> tuple[NDArray[
     found = np.concatenate(parts)
     order = np.lexsort((found["type"], found["angle_rad"]))
     return found[order], arcs
+
+
+def rays_of_frame(frame: Frame, params: FingerprintParams) -> tuple[NDArray[Any], FloatArray]:
+    """Rays kept for geometry, and where the laser stands on the robot (2,); none without both."""
+    scan = frame.scan
+    if scan is None or not params.use_laser or params.ray_deg <= 0.0:
+        return np.zeros(0, RAY), np.zeros(2)
+    rays = rays_of(scan, float(np.deg2rad(params.ray_deg)))
+    rays = rays[np.abs(rays["bearing_rad"]) <= np.deg2rad(params.laser_fov_deg / 2.0) + 1e-6]
+    return rays, np.array([scan.mount.x_m, scan.mount.y_m])
 
 
 def _view(frame: Frame) -> panorama.View | None:

@@ -21,6 +21,9 @@ class FingerprintParams(Params, frozen=True):
     and exemplars the best counts.
     ``angle_deg`` > 0 aligns a second time in recall, the turn known, a match losing the square of
     how many times this it is off. ``fuse_gate_deg`` > 0: a match off by more is not fused.
+    ``ray_deg`` > 0 keeps the scan's rays that far apart: symbols have ranges, and the best
+    candidates of a recall are verified by laying scans over each other. ``memory`` keeps the
+    ``mean`` of a place, or its ``members``, the most alike of which counts.
     Alignment: ``weight_*`` per type of symbol; ``gamma`` share of its weight a gap costs;
     ``cuts`` tries all rotations of any two fingerprints, or (``view``) takes those of views that
     are open (half a circle, a forward camera) as they stand, from their right edge to their left.
@@ -32,7 +35,8 @@ class FingerprintParams(Params, frozen=True):
     0.15 m less what wheels slip, so that a run recorded at 0.15 m is used whole.
     Mean: features nearer than ``merge_deg`` are one; after ``settle`` observations those under
     ``certainty_min`` are forgotten; ``features_max``. ``headings``: best places of a ranking whose
-    orientation is traced back.
+    orientation is traced back. Verification: ``candidates`` best of a ranking that are verified,
+    ``same_m`` and ``same_deg`` how near a place must be to be called the same.
     """
 
     use_laser: bool = True
@@ -50,6 +54,11 @@ class FingerprintParams(Params, frozen=True):
     exemplars: int = 0
     exemplar_m: float = 0.0
     angle_deg: float = 0.0
+    ray_deg: float = 0.0
+    memory: Literal["mean", "members"] = "mean"
+    candidates: int = 200
+    same_m: float = 1.5
+    same_deg: float = 45.0
     fuse_gate_deg: float = 0.0
     cuts: Literal["all", "view"] = "all"
     weight_v: float = 1.0
@@ -87,6 +96,8 @@ PRESETS = {
         cuts="view",
         exemplar_m=0.3,
         segment="changepoint",
+        ray_deg=1.0,
+        memory="members",
     ),
 }
 
@@ -97,6 +108,10 @@ LATE = frozenset(
         "exemplars",
         "exemplar_m",
         "angle_deg",
+        "memory",
+        "candidates",
+        "same_m",
+        "same_deg",
         "fuse_gate_deg",
         "weight_v",
         "weight_colour",

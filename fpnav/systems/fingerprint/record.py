@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fpnav.systems.fingerprint.params import FingerprintParams
@@ -13,6 +15,8 @@ RECORD = np.dtype(
         ("laser_width_rad", "<f8"),
         ("camera_centre_rad", "<f8"),
         ("camera_width_rad", "<f8"),
+        ("laser_x_m", "<f8"),
+        ("laser_y_m", "<f8"),
         ("features", "<i4"),
         ("corners", "<i4"),
         ("edges", "<i4"),
@@ -21,17 +25,22 @@ RECORD = np.dtype(
         ("empty", "<i4"),
     ]
 )
-"""What the sensors covered around the robot (width 0 = missing), and counts of symbols."""
+"""What the sensors covered around the robot (width 0 = missing), where the laser stands on it, and
+counts of symbols."""
+
+LASER_ARC, CAMERA_ARC = 0, 1
 
 _ARCS = RECORD.names[:4] if RECORD.names else ()
 
 
-def record_of(arcs: FloatArray, letters: bytes) -> np.void:
-    """Record of a fingerprint from its arcs (2, 2) and its string."""
+def record_of(
+    arcs: FloatArray, letters: bytes, mount_m: Sequence[float] | FloatArray = (0.0, 0.0)
+) -> np.void:
+    """Record of a fingerprint from its arcs (2, 2), the laser's place (2,) and its string."""
     counts = [letters.count(letter) for letter in b"cvfn"]
     colours = len(letters) - sum(counts)
     c, v, f, n = counts
-    row = np.array([(*arcs.ravel(), c + v + colours, c, v, colours, f, n)], RECORD)
+    row = np.array([(*arcs.ravel(), *mount_m, c + v + colours, c, v, colours, f, n)], RECORD)
     value: np.void = row[0]
     return value
 

@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 
+from fpnav.matching.attributed import SYMBOL as ATTRIBUTED
 from fpnav.params import Params
+from fpnav.sensing.rays import RAY
 from fpnav.systems.base import (
     BY_PLACES,
     Features,
     MapRule,
+    Memory,
     Needs,
     Picture,
     Thinning,
-    no_verification,
+    Verification,
     spread_likelihood,
 )
-from fpnav.systems.fingerprint.extract import CAMERA_ROLES, features_of_frame
+from fpnav.systems.descriptors import DescriptorMemory
+from fpnav.systems.fingerprint.attributed import Attributed
+from fpnav.systems.fingerprint.extract import CAMERA_ROLES, features_of_frame, rays_of_frame
+from fpnav.systems.fingerprint.laser import attributes_of
 from fpnav.systems.fingerprint.memory import FingerprintMemory
 from fpnav.systems.fingerprint.params import LATE, PRESETS, FingerprintParams
-from fpnav.systems.fingerprint.record import RECORD, insertion, record_of
+from fpnav.systems.fingerprint.record import LASER_ARC, RECORD, insertion, record_of
 from fpnav.systems.fingerprint.symbols import FEATURE, SYMBOL, symbols_of, text
+from fpnav.systems.fingerprint.verification import verified
 from fpnav.values import Frame, Reference, Signature
 
 
@@ -39,10 +46,14 @@ class Fingerprint:
     LATE: ClassVar[frozenset[str]] = LATE
     PRESETS: ClassVar[Mapping[str, Params]] = PRESETS
     RECORD: ClassVar[np.dtype[Any]] = RECORD
-    PARTS: ClassVar[Mapping[str, np.dtype[Any]]] = {"features": FEATURE, "symbols": SYMBOL}
+    PARTS: ClassVar[Mapping[str, np.dtype[Any]]] = {
+        "features": FEATURE,
+        "symbols": SYMBOL,
+        "rays": RAY,
+        "attributes": ATTRIBUTED,
+    }
     POLICY: ClassVar[str] = BY_PLACES
 
-    verify = no_verification
     likelihood = spread_likelihood
 
     def __init__(self, params: FingerprintParams) -> None:
@@ -69,7 +80,14 @@ class Fingerprint:
     def describe(self, frame: Frame) -> Features:
         """Features of one frame and the arcs its sensors covered."""
         features, arcs = features_of_frame(frame, self._params)
-        return {"features": features, "arcs": arcs}
+        rays, mount = rays_of_frame(frame, self._params)
+        return {
+            "features": features,
+            "arcs": arcs,
+            "rays": rays,
+            "attributes": attributes_of(features, rays, mount, arcs[LASER_ARC]),
+            "mount_m": mount,
+        }
 
     def assemble(self, stream: Iterable[tuple[Reference, Features]]) -> Iterator[Signature]:
         """One fingerprint per frame: f and n inserted, in angular order."""
@@ -78,17 +96,32 @@ class Fingerprint:
             symbols = symbols_of(features, arcs, **insertion(self._params))
             yield Signature(
                 reference,
-                record_of(arcs, symbols["type"].tobytes()),
-                {"features": features, "symbols": symbols},
+                record_of(arcs, symbols["type"].tobytes(), found["mount_m"]),
+                {
+                    "features": features,
+                    "symbols": symbols,
+                    "rays": found["rays"],
+                    "attributes": found["attributes"],
+                },
             )
 
-    def memory(self) -> FingerprintMemory:
+    def memory(self) -> Memory:
         """A new, empty memory."""
+        if self._params.memory == "members":
+            return DescriptorMemory(Attributed(self._params))
         return FingerprintMemory(self._params)
 
     def similarity(self, first: Signature, second: Signature) -> float:
-        """prob_matching of two fingerprints."""
-        return self.memory().probability(first, second)
+        """prob_matching of two fingerprints, or how alike their channels are."""
+        if self._params.memory == "members":
+            metric = Attributed(self._params)
+            one, other = (metric.descriptor(side, {}) for side in (first, second))
+            return metric.likeness(one, other, {})
+        return FingerprintMemory(self._params).probability(first, second)
+
+    def verify(self, query: Signature, candidates: Sequence[Signature]) -> Verification | None:
+        """Scans laid over each other; None without rays to do so."""
+        return verified(query, candidates, self._params) if self._params.ray_deg > 0.0 else None
 
     def picture(self, signature: Signature) -> Picture:
         """A strip: every symbol at its bearing with its certainty, and the string."""

@@ -1,0 +1,91 @@
+"""Rankings reordered by the system's geometric check of their best candidates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fpnav.systems.base import Recall, System, Verification
+from fpnav.values import FloatArray, Signature
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checked:
+    """A ranking after the check. Of the best of each query: ``relative`` (Q, 3) and
+    ``covariance`` (Q, 3, 3) where the check gave a pose, ``stated`` (Q,) where it stated a
+    probability; NaN elsewhere."""
+
+    recall: Recall
+    relative: FloatArray
+    covariance: FloatArray
+    stated: FloatArray
+
+
+def verified(
+    system: System,
+    reference: Sequence[Signature],
+    queries: Sequence[Signature],
+    recall: Recall,
+    top: int,
+) -> Checked:
+    """The ``top`` best rows of each ranking, which index ``reference``, by what the check says.
+
+    What was not checked keeps its order and scores no better than the least that was.
+    """
+    count = len(queries)
+    out = Checked(
+        Recall(recall.places.copy(), recall.scores.copy(), recall.headings_rad.copy()),
+        np.full((count, 3), np.nan),
+        np.full((count, 3, 3), np.nan),
+        np.full(count, np.nan),
+    )
+    for row in range(count):
+        ranked = recall.places[row, :top][recall.places[row, :top] >= 0]
+        if len(ranked):
+            checked = system.verify(queries[row], [reference[int(place)] for place in ranked])
+            if checked is not None:
+                _reorder(out, row, ranked, checked)
+    return out
+
+
+def checked_scores(
+    system: System,
+    reference: Sequence[Signature],
+    queries: Sequence[Signature],
+    places: NDArray[np.int64],
+    scores: FloatArray,
+) -> FloatArray:
+    """Scores of one place per query on the scale of the check, where the system has one."""
+    out = scores.copy()
+    for row in np.flatnonzero(places >= 0).tolist():
+        checked = system.verify(queries[row], [reference[int(places[row])]])
+        if checked is not None:
+            out[row] = checked.scores[0]
+    return out
+
+
+def _reorder(out: Checked, row: int, ranked: NDArray[np.int64], checked: Verification) -> None:
+    """One ranking in the order of the check, with what it says of the best."""
+    order = np.lexsort((ranked, -checked.scores))
+    places, scores, headings = (
+        column[row] for column in (out.recall.places, out.recall.scores, out.recall.headings_rad)
+    )
+    places[: len(ranked)] = ranked[order]
+    scores[: len(ranked)] = checked.scores[order]
+    headings[: len(ranked)] = headings[: len(ranked)][order]
+    rest = scores[len(ranked) :]
+    rest[:] = np.minimum(rest, checked.scores.min())
+    for rank, candidate in enumerate(order.tolist()):
+        found = checked.relative[candidate]
+        if found is not None:
+            headings[rank] = found.pose.heading_rad
+    best = int(order[0])
+    found = checked.relative[best]
+    if found is not None:
+        out.relative[row] = found.pose.x_m, found.pose.y_m, found.pose.heading_rad
+        out.covariance[row] = np.reshape(found.covariance, (3, 3))
+    if checked.stated is not None:
+        out.stated[row] = checked.stated[best]
