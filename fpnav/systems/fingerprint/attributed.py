@@ -106,3 +106,14 @@ class Attributed:
     def _use(self, model: State) -> None:
         if model:
             self._letters.use(model)
+
+
+def exponential_likelihood(scores: FloatArray) -> FloatArray:
+    """exp(s - max s) of each row (..., P); what is not ranked gets the row's least."""
+    scores = np.asarray(scores, dtype=np.float64)
+    if scores.size == 0:
+        return np.ones_like(scores)
+    known = np.where(np.isfinite(scores), scores, np.inf).min(axis=-1, keepdims=True)
+    filled = np.where(np.isfinite(scores), scores, known)
+    filled = np.where(np.isfinite(filled), filled, 0.0)
+    return np.asarray(np.exp(filled - filled.max(axis=-1, keepdims=True)))

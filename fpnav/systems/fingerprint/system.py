@@ -22,7 +22,7 @@ from fpnav.systems.base import (
     spread_likelihood,
 )
 from fpnav.systems.descriptors import DescriptorMemory
-from fpnav.systems.fingerprint.attributed import Attributed
+from fpnav.systems.fingerprint.attributed import Attributed, exponential_likelihood
 from fpnav.systems.fingerprint.extract import CAMERA_ROLES, features_of_frame, rays_of_frame
 from fpnav.systems.fingerprint.laser import attributes_of
 from fpnav.systems.fingerprint.memory import FingerprintMemory
@@ -30,7 +30,7 @@ from fpnav.systems.fingerprint.params import LATE, PRESETS, FingerprintParams
 from fpnav.systems.fingerprint.record import LASER_ARC, RECORD, insertion, record_of
 from fpnav.systems.fingerprint.symbols import FEATURE, SYMBOL, symbols_of, text
 from fpnav.systems.fingerprint.verification import verified
-from fpnav.values import Frame, Reference, Signature
+from fpnav.values import FloatArray, Frame, Reference, Signature
 
 
 class Fingerprint:
@@ -53,8 +53,6 @@ class Fingerprint:
         "attributes": ATTRIBUTED,
     }
     POLICY: ClassVar[str] = BY_PLACES
-
-    likelihood = spread_likelihood
 
     def __init__(self, params: FingerprintParams) -> None:
         self._params = params
@@ -122,6 +120,13 @@ class Fingerprint:
     def verify(self, query: Signature, candidates: Sequence[Signature]) -> Verification | None:
         """Scans laid over each other; None without rays to do so."""
         return verified(query, candidates, self._params) if self._params.ray_deg > 0.0 else None
+
+    def likelihood(self, scores: FloatArray) -> FloatArray:
+        """Scores of channels are in units of their spread, and so log-likelihoods but for their
+        dependence; ratios of letters are spread as they come."""
+        if self._params.memory == "members":
+            return exponential_likelihood(scores)
+        return spread_likelihood(self, scores)
 
     def picture(self, signature: Signature) -> Picture:
         """A strip: every symbol at its bearing with its certainty, and the string."""
