@@ -20,6 +20,7 @@ from fpnav.sensing.corners import corners, sensed_arc
 from fpnav.sensing.polar import covered
 from fpnav.sensing.rays import RAY, rays_of
 from fpnav.systems.base import (
+    BY_PLACES,
     Features,
     MapRule,
     Memory,
@@ -95,6 +96,7 @@ class LaserSystem:
     PRESETS: ClassVar[Mapping[str, Params]]
     RECORD: ClassVar[np.dtype[Any]] = RECORD
     PARTS: ClassVar[Mapping[str, np.dtype[Any]]] = {"rays": RAY, "corners": CORNER}
+    POLICY: ClassVar[str] = BY_PLACES
 
     verify: Any = no_verification
     likelihood = spread_likelihood
