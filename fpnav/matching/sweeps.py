@@ -26,7 +26,9 @@ POINTS, NEAR_M = 60, 14.0
 WEIGHT_NEAR_M, WEIGHT_FAR_M = 0.3, 8.0
 
 REACH_M, STEP_M = 2.0, 0.5
-CLIMB = np.array([[0.15, np.deg2rad(2.0), 2], [0.075, np.deg2rad(1.0), 1]])
+CLIMB = np.array([[0.15, np.deg2rad(2.0), 3], [0.075, np.deg2rad(1.0), 2]])
+STRIDE = 4
+"""Metres, radians and stride over the outline of each level of the climb; stride of the search."""
 GATES_M = np.array([1.0, 1.0, 0.6, 0.6, 0.35, 0.35, 0.35, 0.35])
 
 
@@ -141,7 +143,7 @@ def searched(query: Sweep, other: Sweep, turns_rad: FloatArray, keep: int) -> Fl
     closed = len(turns_rad) > 1 and query.closed and other.closed
     kernels.search(
         fine, coarse, np.array([CELL_M, 2 * CELL_M]), HALF_M, *other.outline,
-        turns_rad, closed, REACH_M, STEP_M, 2, CLIMB, out,
+        turns_rad, closed, REACH_M, STEP_M, STRIDE, CLIMB, out,
     )  # fmt: skip
     return out
 

@@ -24,7 +24,7 @@ from fpnav.values import FloatArray, Pose2, RelativePose, Signature
 CHECKED, PEAKS = 16, 3
 """How many candidates are refined, and from how many peaks of the search each."""
 
-TURN_STEP_RAD, TURN_MOST_RAD = np.deg2rad(6.0), np.deg2rad(60.0)
+TURN_STEP_RAD, TURN_MOST_RAD = np.deg2rad(10.0), np.deg2rad(60.0)
 LEAST_HITS = 12
 UNUSABLE = -3.0
 
