@@ -53,6 +53,10 @@ def _heading(ctx: click.Context, parameter: click.Parameter, value: str) -> floa
     "--verify-top", type=click.IntRange(0), default=200, show_default=True,
     help="Candidates a query's geometric check may look at, where the system has one.",
 )  # fmt: skip
+@click.option(
+    "--method", type=click.Choice(["match", "smooth"]), default="match", show_default=True,
+    help="Each query by itself, or the run smoothed by the motion between queries.",
+)  # fmt: skip
 @options.truth
 @options.system_options
 @options.log_options
@@ -70,6 +74,7 @@ def command(
     from fpnav.execution.spread import make_spread
     from fpnav.execution.stages import recognize_run
     from fpnav.execution.walk import signatures_of
+    from fpnav.localization.locate import Method
     from fpnav.store.results import write_result
 
     files = [reference] if query is None else [reference, query]
@@ -88,6 +93,7 @@ def command(
             runs[0],
             None if query is None else runs[1],
             verify_top=given["verify_top"],
+            method=Method(given["method"]),
             truth_file=truth_file,
             advance=advance,
             **{name: given[name] for name in names},

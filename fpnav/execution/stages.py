@@ -187,6 +187,7 @@ def recognize_run(
     radius_m: float,
     heading_deg: float | None,
     verify_top: int,
+    method: Method = Method.MATCH,
     truth_file: Path | None,
     advance: Advance,
 ) -> Result:
@@ -213,6 +214,7 @@ def recognize_run(
         candidates[rows],
         depth=RANKS,
         verify_top=verify_top,
+        method=method,
         advance=advance,
     )
     protocol = {
@@ -228,12 +230,13 @@ def recognize_run(
         "travelled_from": asked.header["travelled_from"],
     }
     chain = [] if query is None else [reference.header]
+    named = "recognize" if method is Method.MATCH else f"recognize-{method}"
     return make_result(
         system,
         answers,
         table,
         reference.table,
-        header=result_header(asked.header, method="recognize", protocol=protocol, chain=chain),
+        header=result_header(asked.header, method=named, protocol=protocol, chain=chain),
         truth=truth,
         owner=np.arange(len(reference.table)),
         candidates=candidates[rows],

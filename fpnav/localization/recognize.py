@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from fpnav.errors import LogError
 from fpnav.localization.confidence import Confidence, fit_confidence
-from fpnav.localization.locate import Advance, Answers, frame_memory, recall_all
+from fpnav.localization.locate import Advance, Answers, Method, frame_memory, recall_all
+from fpnav.localization.sequence import smoothed
 from fpnav.localization.verify import checked_scores, verified
 from fpnav.store.tables import SignatureTable
 from fpnav.systems.base import Memory, Recall, System
@@ -60,6 +61,7 @@ def recognize(
     *,
     depth: int,
     verify_top: int,
+    method: Method = Method.MATCH,
     advance: Advance,
 ) -> Answers:
     """Match each query with the first ``candidates`` reference rows it is allowed.
@@ -69,6 +71,7 @@ def recognize(
     candidates : (Q,)
     depth : ranks kept per query
     verify_top : best candidates handed to the system's geometric check, where it has one
+    method : each query by itself (match), or the whole run forward and backward (smooth)
     """
     memory = frame_memory(system, reference)
     rows = np.arange(len(reference))
@@ -78,6 +81,8 @@ def recognize(
 
     recall = recall_all(memory, queries, max(depth, verify_top), allowed, advance)
     checked = verified(system, reference, queries, recall, verify_top)
+    if method is Method.SMOOTH:
+        checked = smoothed(system, reference, queries, candidates, checked)
     recall, stated = checked.recall, checked.stated
     silent = np.isnan(stated)
     if silent.any():

@@ -16,12 +16,15 @@ from fpnav.values import FloatArray, Signature
 class Checked:
     """A ranking after the check. Of the best of each query: ``relative`` (Q, 3) and
     ``covariance`` (Q, 3, 3) where the check gave a pose, ``stated`` (Q,) where it stated a
-    probability; NaN elsewhere."""
+    probability. Of every rank: ``poses`` (Q, k, 3) and ``probability`` (Q, k) as well; NaN
+    elsewhere."""
 
     recall: Recall
     relative: FloatArray
     covariance: FloatArray
     stated: FloatArray
+    poses: FloatArray
+    probability: FloatArray
 
 
 def verified(
@@ -41,6 +44,8 @@ def verified(
         np.full((count, 3), np.nan),
         np.full((count, 3, 3), np.nan),
         np.full(count, np.nan),
+        np.full((*recall.places.shape, 3), np.nan),
+        np.full(recall.places.shape, np.nan),
     )
     for row in range(count):
         ranked = recall.places[row, :top][recall.places[row, :top] >= 0]
@@ -82,6 +87,9 @@ def _reorder(out: Checked, row: int, ranked: NDArray[np.int64], checked: Verific
         found = checked.relative[candidate]
         if found is not None:
             headings[rank] = found.pose.heading_rad
+            out.poses[row, rank] = found.pose.x_m, found.pose.y_m, found.pose.heading_rad
+    if checked.stated is not None:
+        out.probability[row, : len(ranked)] = checked.stated[order]
     best = int(order[0])
     found = checked.relative[best]
     if found is not None:

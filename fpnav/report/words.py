@@ -15,9 +15,10 @@ METHODS = {
     "filter": "a belief over places carried along the run, using the past only",
     "smooth": "the whole run at once, the future included",
     "recognize": "frame to frame, each query on its own",
+    "recognize-smooth": "frame to frame, smoothed along the run, what came later included",
     "navigate": "each query on its own, on trips that a policy decided",
 }
-NON_CAUSAL = ("smooth",)
+NON_CAUSAL = ("smooth", "recognize-smooth")
 """Methods that look ahead of a query; a robot on the move cannot."""
 
 HEADLINES = (
