@@ -53,6 +53,10 @@ docs: $(READY) ## Build the documentation into build/docs
 bench: $(READY) ## Print the figures of README's speed table
 	$(BIN)/python -m benchmarks
 
+.PHONY: real
+real: $(READY) ## Run every system on the recordings of FPNAV_DATA and rewrite README's table
+	$(BIN)/python -m benchmarks.real
+
 .PHONY: sample-logs
 sample-logs: $(READY) ## Make sample_logs/ anew, byte for byte
 	$(BIN)/python sample_logs/make.py
