@@ -225,9 +225,7 @@ def recognize_run(
         "query_every": query_every,
         "own_past": query is None,
         "left_out": int(len(range(0, len(asked.table), query_every)) - len(rows)),
-        "step_m": asked.header["step_m"],
-        "step_heading_rad": asked.header["step_heading_rad"],
-        "travelled_from": asked.header["travelled_from"],
+        **_thinning_of(asked),
     }
     chain = [] if query is None else [reference.header]
     named = "recognize" if method is Method.MATCH else f"recognize-{method}"
@@ -242,6 +240,11 @@ def recognize_run(
         candidates=candidates[rows],
         view=no_view(),
     )
+
+
+def _thinning_of(run: Run) -> dict[str, Any]:
+    """How a run was thinned and by what its path was measured, for the protocol."""
+    return {name: run.header[name] for name in ("step_m", "step_heading_rad", "travelled_from")}
 
 
 def take(table: SignatureTable, rows: Any) -> SignatureTable:

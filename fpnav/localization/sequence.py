@@ -34,6 +34,10 @@ SURE, LOGIT_MOST = 0.8, 7.0
 WINDOW_ROWS, AROUND_M, AROUND_RAD, LOOKS = 15, 1.5, np.deg2rad(60.0), 3
 SAME_M = 1.0
 
+SWAY = 2.0
+"""Log-odds by which the sequence may move what is stated of a match. Neighbours tell where the
+robot is, not whether that is near enough to be called the same place."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Guesses:
@@ -180,7 +184,7 @@ def looked(
 
 def posteriors(guesses: Sequence[Guesses], motion: FloatArray, chain: Chain) -> list[FloatArray]:
     """Probability of each guess of each query, and last of "somewhere else"."""
-    worth = [np.exp(np.append(one.logits, 0.0)) for one in guesses]
+    worth = [np.exp(np.append(_bounded(one.logits), 0.0)) for one in guesses]
     pairs = [
         agreement(guesses[row - 1], guesses[row], motion[row], chain)
         for row in range(1, len(guesses))
@@ -226,7 +230,7 @@ def answered(
             continue
         shares = shares[:-1]
         best = int(np.argmax(shares))
-        total = float(np.clip(shares[_together(one, best, chain)].sum(), 1e-6, 1.0 - 1e-6))
+        total = _swayed(one.logits[best], shares[_together(one, best, chain)].sum())
         order = np.argsort(-shares, kind="stable")
         rest = places[row][~np.isin(places[row], one.rows)]
         kept = np.concatenate([one.rows[order], rest])[:depth]
@@ -244,6 +248,13 @@ def answered(
         Recall(places, scores, headings), relative, covariance, stated,
         checked.poses, checked.probability,
     )  # fmt: skip
+
+
+def _swayed(own: float, share: float) -> float:
+    """Probability of the best guess: the sequence's, no further from its own than SWAY allows."""
+    moved = float(logit(np.array(share)) - _bounded(np.array(own)))
+    value = own + float(np.clip(moved, -SWAY, SWAY))
+    return 1.0 / (1.0 + float(np.exp(-value)))
 
 
 def _together(one: Guesses, best: int, chain: Chain) -> NDArray[np.bool_]:
@@ -280,6 +291,11 @@ def difference(first: FloatArray, second: FloatArray) -> FloatArray:
 
 
 def logit(probability: FloatArray) -> FloatArray:
-    """Log-odds, at most LOGIT_MOST either way."""
-    p = np.clip(probability, 1e-9, 1.0 - 1e-9)
-    return np.asarray(np.clip(np.log(p / (1.0 - p)), -LOGIT_MOST, LOGIT_MOST))
+    """Log-odds."""
+    p = np.clip(probability, 1e-15, 1.0 - 1e-15)
+    return np.asarray(np.log(p) - np.log1p(-p))
+
+
+def _bounded(logits: FloatArray) -> FloatArray:
+    """What one observation may claim beside its neighbours."""
+    return np.asarray(np.clip(logits, -LOGIT_MOST, LOGIT_MOST))

@@ -21,8 +21,8 @@ from fpnav.systems.base import (
     Verification,
     spread_likelihood,
 )
-from fpnav.systems.descriptors import DescriptorMemory
 from fpnav.systems.fingerprint.attributed import Attributed, exponential_likelihood
+from fpnav.systems.fingerprint.chosen import ChosenMemory, laser_alone
 from fpnav.systems.fingerprint.extract import CAMERA_ROLES, features_of_frame, rays_of_frame
 from fpnav.systems.fingerprint.laser import attributes_of
 from fpnav.systems.fingerprint.memory import FingerprintMemory
@@ -105,13 +105,13 @@ class Fingerprint:
 
     def memory(self) -> Memory:
         """A new, empty memory."""
-        if self._params.memory == "members":
-            return DescriptorMemory(Attributed(self._params))
+        if self._params.memory == "chosen":
+            return ChosenMemory(self._params)
         return FingerprintMemory(self._params)
 
     def similarity(self, first: Signature, second: Signature) -> float:
-        """prob_matching of two fingerprints, or how alike their channels are."""
-        if self._params.memory == "members":
+        """prob_matching of two fingerprints; of lasers alone, how alike their attributes are."""
+        if self._params.memory == "chosen" and laser_alone([first, second]):
             metric = Attributed(self._params)
             one, other = (metric.descriptor(side, {}) for side in (first, second))
             return metric.likeness(one, other, {})
@@ -122,11 +122,12 @@ class Fingerprint:
         return verified(query, candidates, self._params) if self._params.ray_deg > 0.0 else None
 
     def likelihood(self, scores: FloatArray) -> FloatArray:
-        """Scores of channels are in units of their spread, and so log-likelihoods but for their
-        dependence; ratios of letters are spread as they come."""
-        if self._params.memory == "members":
-            return exponential_likelihood(scores)
-        return spread_likelihood(self, scores)
+        """Ratios of letters, none above 1, are spread as they come; scores of attributes are in
+        units of their spread, and so log-likelihoods but for their dependence."""
+        known = np.where(np.isfinite(scores), scores, 0.0)
+        attributes = known.max(axis=-1, keepdims=True, initial=0.0) > 1.0 + 1e-9
+        spread, steep = spread_likelihood(self, scores), exponential_likelihood(scores)
+        return np.where(attributes, steep, spread)
 
     def picture(self, signature: Signature) -> Picture:
         """A strip: every symbol at its bearing with its certainty, and the string."""

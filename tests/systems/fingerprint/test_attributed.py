@@ -62,3 +62,19 @@ def test_rays_are_thinned_turned_left_and_say_what_is_unknown() -> None:
     assert rays["bearing_rad"][-1] == pytest.approx(0.8)
     assert rays["range_m"][::-1].tolist() == [1.0, 2.0, np.inf, 0.0, 0.0, 5.0, 0.0]
     assert len(rays_of(scan, math.radians(1.0))) == 4
+
+
+def test_lasers_alone_are_remembered_by_members_and_others_by_means() -> None:
+    laser = [seen(one) for one in PLACES]
+    both = [seen(one, ("scan", "panorama")) for one in PLACES]
+    for signatures, members in ((laser, True), (both, False)):
+        memory = DEFAULT.memory()
+        memory.fit(signatures)
+        memory.learn(0, signatures[0])
+        state = memory.save()
+        assert bool(state["members"][0]) is members
+        other = DEFAULT.memory()
+        other.load(state)
+        found = [one.recall(signatures[:1], 1, None, None)[0].scores for one in (memory, other)]
+        assert found[0].tobytes() == found[1].tobytes()
+        assert bool(found[0][0, 0] > 1.0 + 1e-9) is members
