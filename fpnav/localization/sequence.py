@@ -3,8 +3,8 @@
 Every checked candidate of a query is a hypothesis with a relative pose. Two hypotheses of
 neighbouring queries agree where the motion between the queries carries one pose to the other. Where
 a query found nothing, its neighbours' matches say where to look. Forward-backward over the
-hypotheses and "somewhere else" gives the probability of each; without agreeing neighbours it is
-that of the single observation, less a little.
+hypotheses and "somewhere else" gives the probability of each. An answer changes only where the
+sequence decides for another place; there it is stated as the sequence sees it, within bounds.
 
 The motion is odometry where the log has it, else what the system's check says of neighbouring
 signatures; truth is never used.
@@ -32,9 +32,10 @@ APART, ELSEWHERE = 0.02, 0.15
 
 SURE, LOGIT_MOST = 0.8, 7.0
 WINDOW_ROWS, AROUND_M, AROUND_RAD, LOOKS = 15, 1.5, np.deg2rad(60.0), 3
-SAME_M = 1.0
+SAME_M, DECIDED = 1.0, 0.5
+"""How near guesses are one place, and the share from which the sequence decides for it."""
 
-SWAY = 2.0
+SWAY = 1.0
 """Log-odds by which the sequence may move what is stated of a match. Neighbours tell where the
 robot is, not whether that is near enough to be called the same place."""
 
@@ -219,8 +220,9 @@ def agreement(before: Guesses, here: Guesses, step: FloatArray, chain: Chain) ->
 def answered(
     checked: Checked, guesses: Sequence[Guesses], found: Sequence[FloatArray], chain: Chain
 ) -> Checked:
-    """Rankings by posterior, guesses first; what is stated is the share of all guesses that put
-    the query where the best one does."""
+    """Rankings by posterior, guesses first, where the sequence decides for another place than the
+    single observation did; elsewhere all stays as it was, so that aliased stretches, which agree
+    with themselves as well, gain nothing."""
     places, scores = checked.recall.places.copy(), checked.recall.scores.copy()
     headings = checked.recall.headings_rad.copy()
     relative, stated = checked.relative.copy(), checked.stated.copy()
@@ -230,15 +232,17 @@ def answered(
             continue
         shares = shares[:-1]
         best = int(np.argmax(shares))
-        total = _swayed(one.logits[best], shares[_together(one, best, chain)].sum())
+        together = _together(one, best, chain)
+        if places[row, 0] in one.rows[together] or shares[together].sum() < DECIDED:
+            continue
+        total = _swayed(one.logits[best], shares[together].sum())
         order = np.argsort(-shares, kind="stable")
         rest = places[row][~np.isin(places[row], one.rows)]
         kept = np.concatenate([one.rows[order], rest])[:depth]
         values = np.minimum(logit(np.append(total, shares[order[1:]])), logit(np.array(total)))
         low = min(float(values.min()), float(checked.recall.scores[row].min(initial=np.inf)))
         filled = np.concatenate([values, np.full(len(rest), low)])[:depth]
-        if int(one.rows[best]) != int(places[row, 0]):
-            relative[row], covariance[row] = one.poses[best], np.nan
+        relative[row], covariance[row] = one.poses[best], np.nan
         turns = np.concatenate([one.poses[order, 2], np.full(len(rest), np.nan)])[:depth]
         places[row, : len(kept)], scores[row, : len(kept)] = kept, filled
         headings[row, : len(kept)] = turns
@@ -251,9 +255,9 @@ def answered(
 
 
 def _swayed(own: float, share: float) -> float:
-    """Probability of the best guess: the sequence's, no further from its own than SWAY allows."""
+    """Probability of a guess: the sequence's, no further above its own than SWAY allows."""
     moved = float(logit(np.array(share)) - _bounded(np.array(own)))
-    value = own + float(np.clip(moved, -SWAY, SWAY))
+    value = own + float(np.clip(moved, 0.0, SWAY))
     return 1.0 / (1.0 + float(np.exp(-value)))
 
 
