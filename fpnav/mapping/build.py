@@ -76,7 +76,9 @@ def build_map(
         for place in make_places(signatures, owner)
     ]
     topomap = TopoMap.of(places, make_edges(signatures, owner))
-    return Built(topomap, learned(system, signatures, owner), novelty, threshold)
+    memory = learned(system, signatures, owner)
+    memory.shrink(system.rule.budget)
+    return Built(topomap, memory, novelty, threshold)
 
 
 def _opened(

@@ -52,6 +52,7 @@ class MapRule:
     ``nodes`` places) or ``otsu`` (the valley of their histogram, limited to 0.3 .. 0.8).
     With a ``window`` > 0 places are cut offline instead, where the ``window`` signatures before and
     after are less alike than usual by ``penalty``; the threshold then only says what is unlike.
+    ``budget`` : units kept of each place once all are learned; 0 = all.
     """
 
     threshold: float | Literal["auto", "otsu"]
@@ -59,6 +60,7 @@ class MapRule:
     min_observations: int = 2
     window: int = 0
     penalty: float = 0.0
+    budget: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -54,9 +54,9 @@ class Placecell:
     @property
     def rule(self) -> MapRule:
         """New place where the present one's activity falls below the vigilance."""
-        if self._params.spacing_m > 0.0:
-            return MapRule(0.5, min_observations=1)
-        return MapRule(1.0 - self._params.vigilance, min_observations=1)
+        params = self._params
+        threshold = 0.5 if params.spacing_m > 0.0 else 1.0 - params.vigilance
+        return MapRule(threshold, min_observations=1, budget=params.budget)
 
     @property
     def thinning(self) -> Thinning:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 from fpnav.errors import StoreError
+from fpnav.mapping.build import build_map
 from fpnav.systems.placecell import Placecell, PlacecellParams
 from fpnav.systems.placecell.memory import PlacecellMemory
 from fpnav.values import Signature
@@ -236,6 +237,15 @@ def test_short_term_memory_carries_over_panoramas() -> None:
     assert [row[0] for row in scores] == [1.0, 1.0, 0.0]
 
 
+def test_a_place_that_memory_alone_holds_still_tells_the_heading() -> None:
+    made = memory(variant(qmax=2), (0, constellation(HERE, heading=0)))
+    _, scores, headings = ask(
+        made, constellation(HERE, heading=0), constellation({}, heading=30), k=1
+    )
+    assert scores[1][0] == 1.0
+    assert math.degrees(headings[1][0]) == pytest.approx(30.0)
+
+
 @pytest.mark.parametrize("stm", ["counter", "literal", "window"])
 @pytest.mark.parametrize("qmax", [2, 3])
 def test_a_batch_is_a_stream(stm: str, qmax: int) -> None:
@@ -322,6 +332,15 @@ def test_shrinking_keeps_what_tells_places_apart() -> None:
     places, scores, _ = ask(made, constellation({1: 90.0}, heading=0), k=1)
     assert (places, scores) == ([[0]], [[1.0]])
     assert ask(made, constellation({0: 0.0}, heading=0), k=1)[1] == [[0.0]]
+
+
+def test_a_map_is_built_within_its_budget() -> None:
+    run = [constellation(HERE, heading=0, index=0), constellation(THERE, heading=0, index=1)]
+    for budget, kept in ((0, 6), (2, 4), (1, 2)):
+        built = build_map(
+            Placecell(variant(budget=budget, refractory=0)), run, advance=lambda done: None
+        )
+        assert len(built.memory.save()["triplets"]) == kept
 
 
 def test_shrinking_prefers_what_was_seen_again() -> None:
