@@ -42,6 +42,9 @@ from fpnav.values import Metric
 THREE = ("place-1", "place-4", "place-6")
 """Places at 0, 135 and 225 degrees about the goal: three pairs make a basin."""
 
+THREE_S = 30.0
+"""Time of a trip: where few places agree the robot goes slowly."""
+
 INNER = tuple(f"place-{k}" for k in range(2, 6))
 """Places before and after which the camera has panned all the way."""
 
@@ -52,7 +55,7 @@ BUDGET = 20
 """Landmarks kept of the sixty of a place."""
 
 SILENT: dict[str, tuple[Any, ...]] = {
-    "focus": (15, 30, 120),
+    "focus": (15, 30, 60),
     "rho_az": (0.15, 0.6),
     "dog_size": (8, 22),
     "rt": (0.7, 0.85),
@@ -99,7 +102,7 @@ def moved(shop: Workshop, seed: int) -> Outcome:
 def three_pairs(shop: Workshop, seed: int) -> Outcome:
     """P3: three place-action pairs about the goal."""
     leader, goal = taught_ring(shop, seed, THREE)
-    home = home_trips(shop, seed, leader, goal, few(shop, 10))
+    home = home_trips(shop, seed, leader, goal, few(shop, 8), THREE_S)
     return Outcome([success("homing_success", ends_home(home, goal))], (), {"places": THREE})
 
 

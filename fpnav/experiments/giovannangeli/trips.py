@@ -219,5 +219,5 @@ def _places(built: BuiltMap) -> FloatArray:
 
 
 def few(shop: Workshop, count: int) -> int:
-    """So many trips, or four in small."""
-    return 4 if shop.small else count
+    """So many trips, or two in small."""
+    return 2 if shop.small else count

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from fpnav.evaluation.fields import Fields
-from fpnav.report.figures.style import FAINT, MUTED, SERIES, Drawing, new_figure
+from fpnav.report.figures.style import FAINT, INK, MUTED, SERIES, Drawing, new_figure
 
 
 def draw(fields: Fields, hidden_from_m: float = math.nan) -> Drawing:
@@ -23,7 +23,7 @@ def draw(fields: Fields, hidden_from_m: float = math.nan) -> Drawing:
     for place, learned in enumerate(fields.learned_m):
         color = SERIES[place % len(SERIES)]
         axis.plot(x, fields.activity[:, place], color=color, lw=1.2)
-        axis.plot([learned], [-0.03], "^", color=color, ms=5, clip_on=False)
+        axis.plot([learned], [0.012], "^", color=color, ms=6, mec=INK, mew=0.6, zorder=4)
     axis.set(ylim=(0.0, 1.05), xlim=(float(x[0]), float(x[-1])))
     axis.set_xlabel("position on the line, m")
     axis.set_ylabel("activity of the place cells")
