@@ -65,6 +65,7 @@ sample-logs: $(READY) ## Make sample_logs/ anew, byte for byte
 reproduce-small: $(READY) ## Every paper's experiments in one world, shortened, to see that they run
 	$(BIN)/fpnav reproduce tapus --small --seeds 1 -o $(BUILD)/reproduce-small/tapus
 	$(BIN)/fpnav reproduce kortenkamp --small --seeds 1 -o $(BUILD)/reproduce-small/kortenkamp
+	$(BIN)/fpnav reproduce giovannangeli --small --seeds 1 --jobs 2 -o $(BUILD)/reproduce-small/giovannangeli
 
 .PHONY: reproduce-kortenkamp
 reproduce-kortenkamp: $(READY) ## Kortenkamp and Weymouth in twenty simulated buildings (20 minutes on 2 cores)
