@@ -128,12 +128,12 @@ def _generation(log: Path, mapped: Mapped) -> Drawing:
 
 
 def _new_node(log: Path, mapped: Mapped) -> Drawing:
-    """The stretch around the first place that starts after the third."""
+    """The stretch around the third place that starts on new ground."""
     built = mapped[1]
     references = built.signatures.references
     owner = built.topomap.owner(len(references))
-    starts = np.flatnonzero(np.diff(owner)) + 1
-    at = int(starts[min(2, len(starts) - 1)]) if len(starts) else len(owner) - 1
+    starts = np.sort(np.unique(owner, return_index=True)[1])
+    at = int(starts[min(3, len(starts) - 1)])
     rows = np.arange(max(0, at - STRETCH + 1), min(at + 3, len(owner)))
     seen = set(references["index"][rows].tolist())
     scans = _scans(log, seen)

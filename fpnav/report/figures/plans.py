@@ -27,6 +27,7 @@ from fpnav.report.figures.style import (
 from fpnav.values import FloatArray
 
 _LABELLED = 80
+_NEAR_M = 4.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,6 +99,8 @@ def new_node(made: NewNode) -> Drawing:
         left.plot(*made.points[rows].T, "o", ms=4.5, label=f"node {place}", **style)
         right.plot(np.flatnonzero(rows), made.novelty[rows], "o", ms=4.5, **style)
     left.set_aspect("equal", adjustable="datalim")
+    x, y = made.points.mean(axis=0)
+    left.set(xlim=(x - _NEAR_M, x + _NEAR_M), ylim=(y - _NEAR_M, y + _NEAR_M))
     left.set_xlabel("x, m")
     left.set_ylabel("y, m")
     right.plot(made.novelty, color=FAINT, lw=1.0, zorder=1)
