@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -34,7 +36,7 @@ def strip_distances(query: SingleArray, members: SingleArray) -> SingleArray:
 
 
 @njit(cache=True)
-def turned_sums(values: SingleArray) -> FloatArray:
+def turned_sums(values: NDArray[Any]) -> FloatArray:
     """Sum over the strips under every turn of a circle, (M, S): strip i against i + turn.
 
     ``values`` : (M, S, S) as from strip_distances.
@@ -80,7 +82,7 @@ def banded_scores(values: SingleArray, band: int) -> FloatArray:
 
 
 @njit(cache=True)
-def shifted_means(values: SingleArray, band: int) -> FloatArray:
+def shifted_means(values: NDArray[Any], band: int) -> FloatArray:
     """Mean over the overlap under every shift of at most ``band`` strips, (M, 2 band + 1)."""
     count, strips, _ = values.shape
     out = np.zeros((count, 2 * band + 1))

@@ -51,6 +51,7 @@ class Joined:
     RECORD: ClassVar[np.dtype[Any]]
     PARTS: ClassVar[Mapping[str, np.dtype[Any]]]
     MEMBERS: ClassVar[tuple[type[System], ...]]
+    POLICY: ClassVar[str]
 
     verify = no_verification
 
@@ -311,6 +312,7 @@ def joined_class(kinds: Sequence[type[System]]) -> type[Joined]:
                 f"{k.NAME}{DOT}{part}": dtype for k in kinds for part, dtype in k.PARTS.items()
             },
             "MEMBERS": tuple(kinds),
+            "POLICY": kinds[0].POLICY,
         },
     )
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fpnav.systems.base import Features, State
+from fpnav.systems.fingerprint.camera import CameraChannel
 from fpnav.systems.fingerprint.laser import LaserChannel
 from fpnav.systems.fingerprint.letters import LetterChannel
 from fpnav.systems.fingerprint.params import FingerprintParams
@@ -57,12 +58,13 @@ class Attributed:
     """Metric over the channels of laser and camera."""
 
     def __init__(self, params: FingerprintParams) -> None:
-        self._letters = LetterChannel(params)
-        self._channels: tuple[Channel, ...] = (LaserChannel(), self._letters)
+        strips = params.camera == "strips" and params.use_camera
+        self._learned = CameraChannel() if strips else LetterChannel(params)
+        self._channels: tuple[Channel, ...] = (LaserChannel(), self._learned)
 
     def fit(self, signatures: Sequence[Signature]) -> State:
-        """What letters are worth."""
-        return self._letters.fit(signatures)
+        """What the camera's symbols are worth."""
+        return self._learned.fit(signatures)
 
     def descriptor(self, signature: Signature, model: State) -> Features:
         """The arrays of all channels."""
@@ -105,7 +107,7 @@ class Attributed:
 
     def _use(self, model: State) -> None:
         if model:
-            self._letters.use(model)
+            self._learned.use(model)
 
 
 def exponential_likelihood(scores: FloatArray) -> FloatArray:

@@ -47,6 +47,13 @@ BLOCK = 256
 STRIP = np.dtype([("bearing_rad", "<f4"), ("values", "i1", (WIDTH,))])
 """A strip: its middle, and its attributes standardised over the run, in steps of 1 / SCALE."""
 
+NO_STRIPS = np.zeros(0, STRIP)
+NO_CAMERA: Features = {
+    "strips": np.zeros((0, WIDTH), np.float16),
+    "strip_bearings": np.zeros(0, np.float32),
+    "points": np.zeros(0, POINT),
+}
+
 SingleArray = NDArray[np.float32]
 
 
@@ -54,11 +61,7 @@ def camera_features(frame: Frame) -> Features:
     """Raw strips, their bearings and keypoints of a frame, all empty without a camera."""
     view = _pixels(frame)
     if view is None:
-        return {
-            "strips": np.zeros((0, WIDTH), np.float16),
-            "strip_bearings": np.zeros(0, np.float32),
-            "points": np.zeros(0, POINT),
-        }
+        return NO_CAMERA
     pixels, bearings, circular = view
     return {
         "strips": strips_of(pixels, len(bearings), circular=circular).astype(np.float16),
@@ -167,19 +170,19 @@ class CameraChannel:
         return scores, turns
 
     def likeness(self, first: Features, second: Features) -> float:
-        """1 - squared distance over the sum of squares, under the best turn or shift."""
-        one, other = (_weighted(side["strips"][0]) for side in (first, second))
+        """Twice the common part over the sum of squares, under the best turn or shift."""
+        one, other = (_weighted(side["strips"][0]).astype(np.float64) for side in (first, second))
         if one.shape != other.shape:
             return 0.0
-        both = np.square(one).sum(axis=1)[:, None] + np.square(other).sum(axis=1)[None, :]
-        apart = np.square(strip_distances(one, other[None]))
-        together = np.ascontiguousarray(both[None], np.float32)
+        squares = np.square(one).sum(axis=1)[:, None] + np.square(other).sum(axis=1)[None, :]
+        pair = (2.0 * (one @ other.T))[None], squares[None]
         if _circular(one):
-            ratios = turned_sums(apart) / np.maximum(turned_sums(together), 1e-9)
+            common, whole = (turned_sums(values) for values in pair)
         else:
-            means = shifted_means(apart, BAND), shifted_means(together, BAND)
-            ratios = means[0] / np.maximum(means[1], 1e-9)
-        return float(np.clip(1.0 - ratios.min(), 0.0, 1.0))
+            common, whole = (shifted_means(values, BAND) for values in pair)
+        if not whole.max() > 0.0:
+            return 1.0
+        return float(np.clip((common / np.maximum(whole, 1e-9)).max(), 0.0, 1.0))
 
     def _by_strips(
         self, query: Features, members: Batch, rows: NDArray[np.int64]

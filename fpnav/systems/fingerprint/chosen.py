@@ -1,4 +1,4 @@
-"""The memory that suits a mapping run: members with attributes for lasers alone, else means."""
+"""The memory that suits a mapping run: members with attributes for one sensor, else means."""
 
 from __future__ import annotations
 
@@ -20,10 +20,12 @@ from fpnav.values import Signature
 KIND = "members"
 
 
-def laser_alone(signatures: Sequence[Signature]) -> bool:
-    """Whether there are rays, and no camera saw anything."""
-    cameras = any(arcs_of(one)[CAMERA_ARC, 1] > 0.0 for one in signatures)
-    return not cameras and any(len(one.parts["rays"]) > 0 for one in signatures)
+def one_sensor(signatures: Sequence[Signature]) -> bool:
+    """Whether there are rays and no camera saw anything, or strips of a camera and no rays."""
+    lasers = any(len(one.parts["rays"]) > 0 for one in signatures)
+    if any(len(one.parts["strips"]) > 0 for one in signatures):
+        return not lasers
+    return lasers and not any(arcs_of(one)[CAMERA_ARC, 1] > 0.0 for one in signatures)
 
 
 class ChosenMemory:
@@ -40,7 +42,7 @@ class ChosenMemory:
 
     def fit(self, signatures: Sequence[Signature]) -> None:
         """Choose, and learn what concerns the whole run."""
-        self._choose(members=laser_alone(signatures))
+        self._choose(members=one_sensor(signatures))
         self._inner.fit(signatures)
 
     def learn(self, place: int, signature: Signature) -> None:

@@ -22,8 +22,10 @@ class FingerprintParams(Params, frozen=True):
     ``angle_deg`` > 0 aligns a second time in recall, the turn known, a match losing the square of
     how many times this it is off. ``fuse_gate_deg`` > 0: a match off by more is not fused.
     ``ray_deg`` > 0 keeps the scan's rays that far apart: symbols have ranges, and the best
-    candidates of a recall are verified by laying scans over each other. ``memory`` keeps the
-    ``mean`` of a place, or (``chosen``) of lasers alone its members, of which the best counts.
+    candidates of a recall are verified by laying scans over each other. ``camera`` symbols are the
+    paper's ``letters``, or beside them, without a laser, ``strips`` of angle that carry attributes,
+    standardised over the whole run, with keypoints. ``memory`` keeps the ``mean`` of a place, or
+    (``chosen``) of a laser or a camera alone its members, of which the best counts.
     Alignment: ``weight_*`` per type of symbol; ``gamma`` share of its weight a gap costs;
     ``cuts`` tries all rotations of any two fingerprints, or (``view``) takes those of views that
     are open (half a circle, a forward camera) as they stand, from their right edge to their left.
@@ -55,6 +57,7 @@ class FingerprintParams(Params, frozen=True):
     exemplar_m: float = 0.0
     angle_deg: float = 0.0
     ray_deg: float = 0.0
+    camera: Literal["letters", "strips"] = "letters"
     memory: Literal["mean", "chosen"] = "mean"
     candidates: int = 200
     same_m: float = 1.5
@@ -97,6 +100,7 @@ PRESETS = {
         exemplar_m=0.3,
         segment="changepoint",
         ray_deg=1.0,
+        camera="strips",
         memory="chosen",
     ),
 }

@@ -6,9 +6,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fpnav.matching.attributed import SYMBOL as ATTRIBUTED
 from fpnav.params import Params
+from fpnav.sensing.keypoints import POINT
 from fpnav.sensing.rays import RAY
 from fpnav.systems.base import (
     BY_PLACES,
@@ -22,7 +24,14 @@ from fpnav.systems.base import (
     spread_likelihood,
 )
 from fpnav.systems.fingerprint.attributed import Attributed, exponential_likelihood
-from fpnav.systems.fingerprint.chosen import ChosenMemory, laser_alone
+from fpnav.systems.fingerprint.camera import (
+    NO_CAMERA,
+    NO_STRIPS,
+    STRIP,
+    camera_features,
+    standardised,
+)
+from fpnav.systems.fingerprint.chosen import ChosenMemory, one_sensor
 from fpnav.systems.fingerprint.extract import CAMERA_ROLES, features_of_frame, rays_of_frame
 from fpnav.systems.fingerprint.laser import attributes_of
 from fpnav.systems.fingerprint.memory import FingerprintMemory
@@ -51,6 +60,8 @@ class Fingerprint:
         "symbols": SYMBOL,
         "rays": RAY,
         "attributes": ATTRIBUTED,
+        "strips": STRIP,
+        "points": POINT,
     }
     POLICY: ClassVar[str] = BY_PLACES
 
@@ -79,7 +90,10 @@ class Fingerprint:
         """Features of one frame and the arcs its sensors covered."""
         features, arcs = features_of_frame(frame, self._params)
         rays, mount = rays_of_frame(frame, self._params)
+        alone = frame.scan is None or not self._params.use_laser
+        looks = alone and self._params.camera == "strips" and self._params.use_camera
         return {
+            **(camera_features(frame) if looks else NO_CAMERA),
             "features": features,
             "arcs": arcs,
             "rays": rays,
@@ -88,20 +102,30 @@ class Fingerprint:
         }
 
     def assemble(self, stream: Iterable[tuple[Reference, Features]]) -> Iterator[Signature]:
-        """One fingerprint per frame: f and n inserted, in angular order."""
-        for reference, found in stream:
-            features, arcs = found["features"], found["arcs"]
-            symbols = symbols_of(features, arcs, **insertion(self._params))
-            yield Signature(
-                reference,
-                record_of(arcs, symbols["type"].tobytes(), found["mount_m"]),
-                {
-                    "features": features,
-                    "symbols": symbols,
-                    "rays": found["rays"],
-                    "attributes": found["attributes"],
-                },
-            )
+        """One fingerprint per frame: f and n inserted, in angular order.
+
+        Strips are standardised over the run, which must be seen whole before the first one.
+        """
+        if self._params.camera == "letters":
+            yield from (self._signature(one, found, NO_STRIPS) for one, found in stream)
+            return
+        run = list(stream)
+        for (reference, found), strips in zip(
+            run, standardised([found for _, found in run]), strict=True
+        ):
+            yield self._signature(reference, found, strips)
+
+    def _signature(
+        self, reference: Reference, found: Features, strips: NDArray[np.void]
+    ) -> Signature:
+        features, arcs = found["features"], found["arcs"]
+        symbols = symbols_of(features, arcs, **insertion(self._params))
+        parts = {name: found[name] for name in ("features", "rays", "attributes", "points")}
+        return Signature(
+            reference,
+            record_of(arcs, symbols["type"].tobytes(), found["mount_m"]),
+            {**parts, "symbols": symbols, "strips": strips},
+        )
 
     def memory(self) -> Memory:
         """A new, empty memory."""
@@ -110,8 +134,8 @@ class Fingerprint:
         return FingerprintMemory(self._params)
 
     def similarity(self, first: Signature, second: Signature) -> float:
-        """prob_matching of two fingerprints; of lasers alone, how alike their attributes are."""
-        if self._params.memory == "chosen" and laser_alone([first, second]):
+        """prob_matching of two fingerprints; of one sensor, how alike their attributes are."""
+        if self._params.memory == "chosen" and one_sensor([first, second]):
             metric = Attributed(self._params)
             one, other = (metric.descriptor(side, {}) for side in (first, second))
             return metric.likeness(one, other, {})
