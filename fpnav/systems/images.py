@@ -77,7 +77,6 @@ class ImageSystem:
     RECORD: ClassVar[np.dtype[Any]] = RECORD
     PARTS: ClassVar[Mapping[str, np.dtype[Any]]] = {"vector": VECTOR}
 
-    POLICY: ClassVar[str] = BY_PLACES
     verify: Any = no_verification
     likelihood = spread_likelihood
 

@@ -51,7 +51,6 @@ class Joined:
     RECORD: ClassVar[np.dtype[Any]]
     PARTS: ClassVar[Mapping[str, np.dtype[Any]]]
     MEMBERS: ClassVar[tuple[type[System], ...]]
-    POLICY: ClassVar[str]
 
     verify = no_verification
 
