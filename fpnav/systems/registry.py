@@ -19,6 +19,8 @@ SYSTEMS: dict[str, str] = {
     "hog": "fpnav.systems.hog:Hog",
     "ridf": "fpnav.systems.ridf:Ridf",
     "vlad": "fpnav.systems.vlad:Vlad",
+    "seqslam": "fpnav.systems.seqslam:SeqSlam",
+    "onnx": "fpnav.systems.onnx:Onnx",
     "fourier": "fpnav.systems.fourier:FourierSignature",
     "polar": "fpnav.systems.polar:Polar",
     "cornerpairs": "fpnav.systems.cornerpairs:CornerPairs",

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import pickle
+import tempfile
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
-from helpers import small_world
+from helpers import small_world, tiny_onnx
 from numpy.typing import NDArray
 
 from fpnav.errors import StoreError
-from fpnav.params import as_dict
+from fpnav.params import Params, as_dict
 from fpnav.store.header import flat
 from fpnav.systems.base import System, Trace
 from fpnav.systems.registry import SYSTEMS, system_class
@@ -27,12 +30,20 @@ CASES = [
 ]
 
 
+def complete(params: Params) -> Params:
+    """Parameters with the file a system cannot do without."""
+    if "file" not in params.__struct_fields__:
+        return params
+    file = Path(tempfile.mkdtemp()) / "pool.onnx"
+    return msgspec.structs.replace(params, file=str(tiny_onnx.write(file)))
+
+
 class Run:
     """One system's frames, signatures and a memory of a few places."""
 
     def __init__(self, name: str, preset: str) -> None:
         kind = system_class(name)
-        self.system: System = kind(kind.PRESETS[preset])
+        self.system: System = kind(complete(kind.PRESETS[preset]))
         roles = [role for role in small_world.ROLES if role in kind.NEEDS.uses]
         self.frames: list[Frame] = small_world.route(FRAMES, roles)
         self.features = [(one.reference, self.system.describe(one)) for one in self.frames]
