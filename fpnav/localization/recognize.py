@@ -7,9 +7,10 @@ from numpy.typing import NDArray
 
 from fpnav.errors import LogError
 from fpnav.localization.confidence import Confidence, fit_confidence
+from fpnav.localization.frames import smoothed_frames
 from fpnav.localization.locate import Advance, Answers, Method, frame_memory, recall_all
 from fpnav.localization.sequence import smoothed
-from fpnav.localization.verify import checked_scores, verified
+from fpnav.localization.verify import checked_scores, unchecked, verified
 from fpnav.store.tables import SignatureTable
 from fpnav.systems.base import Memory, Recall, System
 from fpnav.values import FloatArray
@@ -71,7 +72,8 @@ def recognize(
     candidates : (Q,)
     depth : ranks kept per query
     verify_top : best candidates handed to the system's geometric check, where it has one
-    method : each query by itself (match), or the whole run forward and backward (smooth)
+    method : each query by itself (match), or the whole run forward and backward (smooth): by
+        relative poses where the check gives them, else over reference frames
     """
     memory = frame_memory(system, reference)
     rows = np.arange(len(reference))
@@ -81,8 +83,11 @@ def recognize(
 
     recall = recall_all(memory, queries, max(depth, verify_top), allowed, advance)
     checked = verified(system, reference, queries, recall, verify_top)
-    if method is Method.SMOOTH:
+    if method is Method.SMOOTH and np.isfinite(checked.poses).any():
         checked = smoothed(system, reference, queries, candidates, checked)
+    elif method is Method.SMOOTH:
+        whole = recall_all(memory, queries, len(reference), allowed, lambda done: None)
+        checked = unchecked(smoothed_frames(whole, _starts(queries), len(reference)))
     recall, stated = checked.recall, checked.stated
     silent = np.isnan(stated)
     if silent.any():
@@ -101,6 +106,12 @@ def recognize(
         relative=checked.relative,
         covariance=checked.covariance,
     )
+
+
+def _starts(queries: SignatureTable) -> NDArray[np.bool_]:
+    """Whether a query is the first of its session."""
+    sessions = queries.references["session"]
+    return np.concatenate([[True], sessions[1:] != sessions[:-1]])[: len(sessions)]
 
 
 def _confidence(

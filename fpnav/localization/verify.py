@@ -38,22 +38,27 @@ def verified(
 
     What was not checked keeps its order and scores no better than the least that was.
     """
-    count = len(queries)
-    out = Checked(
-        Recall(recall.places.copy(), recall.scores.copy(), recall.headings_rad.copy()),
-        np.full((count, 3), np.nan),
-        np.full((count, 3, 3), np.nan),
-        np.full(count, np.nan),
-        np.full((*recall.places.shape, 3), np.nan),
-        np.full(recall.places.shape, np.nan),
-    )
-    for row in range(count):
+    out = unchecked(Recall(recall.places.copy(), recall.scores.copy(), recall.headings_rad.copy()))
+    for row in range(len(queries)):
         ranked = recall.places[row, :top][recall.places[row, :top] >= 0]
         if len(ranked):
             checked = system.verify(queries[row], [reference[int(place)] for place in ranked])
             if checked is not None:
                 _reorder(out, row, ranked, checked)
     return out
+
+
+def unchecked(recall: Recall) -> Checked:
+    """A ranking of which nothing more is known."""
+    count = len(recall.places)
+    return Checked(
+        recall,
+        np.full((count, 3), np.nan),
+        np.full((count, 3, 3), np.nan),
+        np.full(count, np.nan),
+        np.full((*recall.places.shape, 3), np.nan),
+        np.full(recall.places.shape, np.nan),
+    )
 
 
 def checked_scores(
