@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from fpnav.evaluation.gateways import rate, told_apart
 from fpnav.execution.stages import make_map
-from fpnav.execution.walk import Run
+from fpnav.execution.walk import Run, SystemChoice
 from fpnav.experiments.kortenkamp.tours import NEAR, TEST, Traversal, choice, job, traversals
 from fpnav.experiments.study import Outcome
 from fpnav.experiments.workshop import Workshop
@@ -17,6 +17,7 @@ from fpnav.localization.filter import FilterParams, Transitions, filter_belief, 
 from fpnav.localization.locate import by_place, recall_all
 from fpnav.params import Tables
 from fpnav.store.maps import BuiltMap
+from fpnav.systems.gateway.params import LATE, PRESETS
 from fpnav.systems.gateway.types import NAMES
 from fpnav.values import FloatArray, Metric
 
@@ -33,9 +34,19 @@ LIKE = NAMES.index("RIGHT OPENING")
 
 def scale(shop: Workshop, seed: int) -> Outcome:
     """C9: one guided traversal is the map; on the test every gateway alone, and after three."""
+    return _scale(shop, seed, choice(), "paper")
+
+
+def scale_default(shop: Workshop, seed: int) -> Outcome:
+    """C9 with what the default preset makes of the same gateways and scenes."""
+    ours = {name: getattr(PRESETS["default"], name) for name in LATE}
+    return _scale(shop, seed, choice("paper", **ours), "default, on the paper's signatures")
+
+
+def _scale(shop: Workshop, seed: int, chosen: SystemChoice, preset: str) -> Outcome:
     count, like = SMALL if shop.small else (GATEWAYS, ALIKE)
     tables: Tables = {**NEAR, "world": {"gateways": count, "alike": like}}
-    learned, test = traversals(shop, seed, choice(), [ROUTE], (TRAINING, TEST), tables)
+    learned, test = traversals(shop, seed, chosen, [ROUTE], (TRAINING, TEST), tables)
     log = shop.log(job(seed, ROUTE, TRAINING, tables))
     likelihood, own, built = _seen(log, learned, test)
     rows = np.flatnonzero(own >= 0)
@@ -48,7 +59,7 @@ def scale(shop: Workshop, seed: int) -> Outcome:
     ]
     found = int((learned.survey.partner >= 0).sum())
     metrics.append(rate("scale_learned", found, len(learned.survey.truth)))
-    facts = {"preset": "paper", "gateways": count, "alike": like, "guided traversals": 1}
+    facts = {"preset": preset, "gateways": count, "alike": like, "guided traversals": 1}
     return Outcome(metrics, (), facts)
 
 
