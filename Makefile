@@ -68,7 +68,7 @@ reproduce-small: $(READY) ## Every paper's experiments in one world, shortened, 
 	$(BIN)/fpnav reproduce giovannangeli --small --seeds 1 --jobs 2 -o $(BUILD)/reproduce-small/giovannangeli
 
 .PHONY: reproduce-kortenkamp
-reproduce-kortenkamp: $(READY) ## Kortenkamp and Weymouth in twenty simulated buildings (20 minutes on 2 cores)
+reproduce-kortenkamp: $(READY) ## Kortenkamp and Weymouth in twenty simulated buildings
 	$(BIN)/fpnav reproduce kortenkamp --jobs 2 \
 		--seeds 1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20 \
 		-o $(BUILD)/reproduce/kortenkamp
