@@ -28,7 +28,9 @@ def _start(ctx: click.Context, parameter: click.Parameter, value: str | None) ->
 @click.option("--map", "map_file", type=options.FILE, required=True, help="Map to go by.")
 @click.option("--goal", help="Come to this place of the map: its label or number.")
 @click.option("--route", help="Follow this route of the world, as the mapping run did.")
-@click.option("--policy", help="What decides (see fpnav navigate --help) [default: the system's].")
+@click.option(
+    "--policy", help="What decides: place-action or wall-following [default: the system's]."
+)
 @click.option("--seed", type=click.IntRange(0), help="The building [default: the map's].")
 @click.option(
     "--run", type=click.IntRange(0), help="Noise, people, light [default: two after the map's]."
@@ -62,7 +64,9 @@ def command(where: str, map_file: Path, goal: str | None, route: str | None, **g
     whichever of them -o names; on a log RUN.h5 alone.
 
     \b
-    Example: fpnav navigate room --map home.h5 --goal goal --trips 20 -o homing.h5
+    fpnav navigate room --map home.h5 --goal goal --trips 20 -o homing.h5
+    fpnav navigate suburb --map loop.h5 --route loop -o lap.h5
+    fpnav navigate homing.mcap --map home.h5 --goal goal -o asked.h5
     """
     from fpnav.errors import UsageError
     from fpnav.sim.catalogue import WORLDS

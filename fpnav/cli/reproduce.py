@@ -27,13 +27,17 @@ def _names(ctx: click.Context, parameter: click.Parameter, value: str) -> tuple[
 
 
 @click.command("reproduce")
-@click.argument("paper")
+@click.argument("paper", metavar="PAPER")
 @click.option(
     "--seeds", default="1,2,3,4,5", show_default=True, callback=_seeds, metavar="N,N,...",
     help="Worlds to run in.",
 )  # fmt: skip
 @click.option(
-    "--only", default="", callback=_names, metavar="NAME,NAME,...", help="Experiments to run."
+    "--only",
+    default="",
+    callback=_names,
+    metavar="NAME,NAME,...",
+    help="Experiments to run [default: all].",
 )
 @click.option(
     "--work",
@@ -54,6 +58,8 @@ def command(
     **given: Any,
 ) -> None:
     """Run the experiments of PAPER in simulated worlds and report them beside its claims.
+
+    PAPER is tapus, giovannangeli or kortenkamp.
 
     \b
     Example: fpnav reproduce giovannangeli --seeds 1 --only B1 -o build/reproduction

@@ -13,7 +13,11 @@ from fpnav.cli.session import Session, plural
 
 @click.command("simulate")
 @click.argument("world")
-@click.option("--route", required=True, help="Way through the world, such as map or test.")
+@click.option(
+    "--route",
+    required=True,
+    help="Way through the world, such as map or test; a wrong one lists them.",
+)
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="The building.")
 @click.option(
     "--run", type=click.IntRange(0), default=1, show_default=True, help="Noise, people, light."
@@ -31,6 +35,8 @@ from fpnav.cli.session import Session, plural
 @options.run_options
 def command(world: str, route: str, seed: int, run: int, **given: Any) -> None:
     """Drive a simulated robot through WORLD and record what its sensors saw, with truth.
+
+    WORLD is office, room, outdoor, suburb, gateways, gateway_types or campus.
 
     \b
     Example: fpnav simulate office --route map --seed 1 --run 1 -o map.mcap

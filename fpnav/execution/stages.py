@@ -204,8 +204,8 @@ def recognize_run(
         candidates = past_candidates(asked.table.references, exclude_path_m, exclude_frames)
     else:
         candidates = np.full(len(asked.table), len(reference.table))
-    rows = np.arange(0, len(asked.table), query_every)
-    rows = rows[candidates[rows] > 0]
+    every = np.arange(0, len(asked.table), query_every)
+    rows = every[candidates[every] > 0]
     table, truth = with_truth(take(asked.table, rows), reference.table, truth_file)
     answers = recognize(
         system,
@@ -224,7 +224,7 @@ def recognize_run(
         "exclude_frames": exclude_frames if query is None else 0,
         "query_every": query_every,
         "own_past": query is None,
-        "left_out": int(len(range(0, len(asked.table), query_every)) - len(rows)),
+        "left_out": len(every) - len(rows),
         **_thinning_of(asked),
     }
     chain = [] if query is None else [reference.header]

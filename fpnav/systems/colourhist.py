@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from fpnav.params import Params
+from fpnav.params import Count, Params
 from fpnav.systems.images import IMAGE_LATE, ImageParams, ImageSystem, Vector, no_turns
 from fpnav.values import FloatArray
 
@@ -21,9 +21,9 @@ from fpnav.values import FloatArray
 class ColourParams(ImageParams, frozen=True):
     """``hues``, ``saturations``, ``values``: bins of each axis."""
 
-    hues: int = 16
-    saturations: int = 4
-    values: int = 4
+    hues: Count = 16
+    saturations: Count = 4
+    values: Count = 4
 
 
 class ColourHistogram(ImageSystem):

@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fpnav.params import Params, Positive
+from fpnav.params import Count, Params, Positive
 from fpnav.sensing.polar import pair_histogram
 from fpnav.systems.lasers import LASER_LATE, LaserParams, LaserSystem, corner_points
 from fpnav.values import FloatArray, Signature
@@ -23,8 +23,8 @@ from fpnav.values import FloatArray, Signature
 class CornerPairsParams(LaserParams, frozen=True):
     """``bins`` of direction, ``steps`` of distance up to ``most_m``."""
 
-    bins: int = 30
-    steps: int = 30
+    bins: Count = 30
+    steps: Count = 30
     most_m: Positive = 10.0
 
 

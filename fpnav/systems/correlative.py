@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fpnav.geometry import TAU, wrap
 from fpnav.matching.grids import cosines, quantised
 from fpnav.matching.sweeps import Sweep, correlated, turns_between
-from fpnav.params import Params, Positive
+from fpnav.params import Count, Params, Positive
 from fpnav.sensing.polar import pair_histogram, polar_grid
 from fpnav.systems.base import Features, State, Verification
 from fpnav.systems.lasers import (
@@ -41,7 +41,7 @@ class CorrelativeParams(LaserParams, frozen=True):
     """``checked`` candidates laid over the query; ``reach_m``, ``grid_m`` and ``grid_deg`` of the
     window that is searched."""
 
-    checked: int = 20
+    checked: Count = 20
     reach_m: Positive = 2.0
     grid_m: Positive = 0.1
     grid_deg: Positive = 3.0

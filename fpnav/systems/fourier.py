@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fpnav.params import Params
+from fpnav.params import Count, Params, Pixels
 from fpnav.sensing.thumbnails import thumbnail
 from fpnav.systems.base import Needs
 from fpnav.systems.images import IMAGE_LATE, ImageParams, ImageSystem, Vector, overlap
@@ -29,9 +29,9 @@ STEPS = 360
 class FourierParams(ImageParams, frozen=True):
     """``width_px``, ``height_px`` of the panorama; ``harmonics`` kept of every row."""
 
-    width_px: int = 360
-    height_px: int = 24
-    harmonics: int = 15
+    width_px: Pixels = 360
+    height_px: Pixels = 24
+    harmonics: Count = 15
     theta: float = 0.15
 
 

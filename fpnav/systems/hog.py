@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fpnav.params import Params
+from fpnav.params import Count, Params
 from fpnav.sensing.strips import CELL_PX, gradient_cells
 from fpnav.sensing.thumbnails import thumbnail
 from fpnav.systems.images import IMAGE_LATE, ImageParams, ImageSystem, Vector, cosine, no_turns
@@ -24,8 +24,8 @@ CLIP = 0.2
 class HogParams(ImageParams, frozen=True):
     """``columns``, ``rows`` of cells of 8 px."""
 
-    columns: int = 32
-    rows: int = 16
+    columns: Count = 32
+    rows: Count = 16
 
 
 class Hog(ImageSystem):

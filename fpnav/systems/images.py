@@ -12,7 +12,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fpnav.params import NotNegative, Params, Share
+from fpnav.params import Count, NotNegative, Params, Share
 from fpnav.sensing import panorama
 from fpnav.systems.base import (
     BY_PLACES,
@@ -45,7 +45,7 @@ class ImageParams(Params, frozen=True):
     """
 
     theta: Share = 0.4
-    min_node_obs: int = 2
+    min_node_obs: Count = 2
     step_m: NotNegative = 0.0
     step_heading_deg: NotNegative = 0.0
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from fpnav.geometry import TAU
 from fpnav.matching.grids import cosines, quantised
 from fpnav.matching.sweeps import Sweep
-from fpnav.params import NotNegative, Params, Positive, Share
+from fpnav.params import Count, NotNegative, Params, Positive, Share
 from fpnav.sensing.corners import corners, sensed_arc
 from fpnav.sensing.polar import covered
 from fpnav.sensing.rays import RAY, rays_of
@@ -63,7 +63,7 @@ class LaserParams(Params, frozen=True):
     ray_deg: Positive = 1.0
     turn_deg: NotNegative = 60.0
     theta: Share = 0.4
-    min_node_obs: int = 2
+    min_node_obs: Count = 2
     step_m: NotNegative = 0.0
     step_heading_deg: NotNegative = 0.0
 

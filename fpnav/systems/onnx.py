@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fpnav.errors import UsageError
-from fpnav.params import Params
+from fpnav.params import Params, Pixels
 from fpnav.publish import file_digest
 from fpnav.systems.images import IMAGE_LATE, ImageParams, ImageSystem, Vector, cosine, no_turns
 from fpnav.values import FloatArray
@@ -30,8 +30,8 @@ class OnnxParams(ImageParams, frozen=True):
 
     file: str = ""
     sha256: str = ""
-    width_px: int = 224
-    height_px: int = 224
+    width_px: Pixels = 224
+    height_px: Pixels = 224
     mean: float = 127.5
     scale: float = 1.0 / 127.5
     rgb: bool = True

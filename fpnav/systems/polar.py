@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fpnav.params import Params
+from fpnav.params import Count, Params
 from fpnav.sensing.polar import polar_grid
 from fpnav.systems.lasers import LASER_LATE, LaserParams, LaserSystem, sweep_of
 from fpnav.values import FloatArray, Signature
@@ -21,8 +21,8 @@ from fpnav.values import FloatArray, Signature
 class PolarParams(LaserParams, frozen=True):
     """``bins`` of bearing, ``rings`` of range."""
 
-    bins: int = 90
-    rings: int = 16
+    bins: Count = 90
+    rings: Count = 16
 
 
 class Polar(LaserSystem):

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fpnav.geometry import TAU
-from fpnav.params import Params
+from fpnav.params import Params, Pixels
 from fpnav.sensing.thumbnails import thumbnail
 from fpnav.systems.base import Needs
 from fpnav.systems.images import IMAGE_LATE, ImageParams, ImageSystem, Vector
@@ -25,8 +25,8 @@ ROUND = ("panorama", "omni")
 class RidfParams(ImageParams, frozen=True):
     """``width_px``, ``height_px`` of the panorama, a column being the step of rotation."""
 
-    width_px: int = 120
-    height_px: int = 24
+    width_px: Pixels = 120
+    height_px: Pixels = 24
 
 
 class Ridf(ImageSystem):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fpnav.matching.ranking import ranked
-from fpnav.params import Params, Positive, Share
+from fpnav.params import Count, Params, Pixels, Positive, Share
 from fpnav.sensing.thumbnails import patch_normalised
 from fpnav.systems.base import Recall, Trace
 from fpnav.systems.descriptors import DescriptorMemory
@@ -27,14 +27,14 @@ class SeqParams(ImageParams, frozen=True):
     normalised; ``slowest``, ``fastest`` ratio of speeds, tried by ``speed_step``; ``width_px``,
     ``height_px``, ``patch_px`` of the thumbnails."""
 
-    length: int = 10
-    window: int = 10
+    length: Count = 10
+    window: Count = 10
     slowest: Positive = 0.8
     fastest: Positive = 1.2
     speed_step: Positive = 0.1
-    width_px: int = 64
-    height_px: int = 32
-    patch_px: int = 8
+    width_px: Pixels = 64
+    height_px: Pixels = 32
+    patch_px: Pixels = 8
     theta: Share = 0.5
 
 

@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fpnav.params import Params
+from fpnav.params import Params, Pixels
 from fpnav.sensing.thumbnails import patch_normalised
 from fpnav.systems.images import IMAGE_LATE, ImageParams, ImageSystem, Vector, no_turns, overlap
 from fpnav.values import FloatArray
@@ -21,9 +21,9 @@ from fpnav.values import FloatArray
 class TinyParams(ImageParams, frozen=True):
     """``width_px``, ``height_px`` of the thumbnail; ``patch_px`` over which it is normalised."""
 
-    width_px: int = 64
-    height_px: int = 32
-    patch_px: int = 8
+    width_px: Pixels = 64
+    height_px: Pixels = 32
+    patch_px: Pixels = 8
 
 
 class TinyImage(ImageSystem):

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from fpnav.params import Params
+from fpnav.params import Count, Params, Pixels
 from fpnav.sensing.keypoints import POINT, keypoints, unit
 from fpnav.systems.base import Features, State, Verification
 from fpnav.systems.images import IMAGE_LATE, ImageParams, ImageSystem, Vector, cosine, image_of
@@ -35,9 +35,9 @@ class VladParams(ImageParams, frozen=True):
     """``words`` of the vocabulary, ``keypoints`` and ``longest_px`` of an image; ``epipolar``
     ranks the candidates that are verified by their inliers."""
 
-    words: int = 64
-    keypoints: int = 500
-    longest_px: int = 512
+    words: Count = 64
+    keypoints: Count = 500
+    longest_px: Pixels = 512
     epipolar: bool = True
     theta: float = 0.8
 

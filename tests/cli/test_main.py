@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -28,6 +29,9 @@ from fpnav.errors import (
     TruthError,
     UsageError,
 )
+from fpnav.experiments.registry import STUDIES
+from fpnav.navigation.registry import POLICIES
+from fpnav.sim.catalogue import WORLDS
 
 SCRIPT = [sys.executable, misbehaving.__file__]
 HEAVY = ("numpy", "cv2", "h5py", "numba", "networkx", "matplotlib", "mcap", "rosbags", "rich",
@@ -166,6 +170,17 @@ def test_help_and_version_go_to_stdout_and_nothing_at_all_is_a_usage_error(
     assert main._run([]) == 2
     assert main._run(["--nonsense"]) == 2
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "known"), [("simulate", WORLDS), ("reproduce", STUDIES), ("navigate", POLICIES)]
+)
+def test_help_names_every_world_paper_and_policy(
+    name: str, known: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main._run([name, "--help"]) == 0
+    words = set(re.findall(r"[\w-]+", capsys.readouterr().out))
+    assert set(known) <= words
 
 
 def test_help_imports_nothing_heavy() -> None:

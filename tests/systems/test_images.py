@@ -9,12 +9,15 @@ import pytest
 from helpers import small_world
 from numpy.typing import NDArray
 
-from fpnav.systems.registry import system_class
+from fpnav.errors import UsageError
+from fpnav.params import as_dict, resolve
+from fpnav.systems.registry import SYSTEMS, system_class
 from fpnav.systems.vlad import aggregated, inliers, k_means
 from fpnav.values import Decoded, Frame, Image, Pose2, Reference, Signature
 
 FORWARD = ("tiny", "colourhist", "hog", "vlad")
 ROUND = ("ridf", "fourier")
+PEERS = [name for name in SYSTEMS if name not in ("fingerprint", "placecell", "gateway")]
 
 
 def frames_of(images: list[Image], role: str) -> list[Frame]:
@@ -104,3 +107,13 @@ def test_epipolar_geometry_tells_the_same_view_from_another() -> None:
     same, moved, other = (row.parts["vector"] for row in signatures(system, images, "camera"))
     assert inliers(same, moved) > 3 * max(inliers(same, other), 5)
     assert inliers(same, same[:0]) == 0
+
+
+@pytest.mark.parametrize("name", PEERS)
+def test_sizes_and_counts_of_nothing_are_refused_where_they_are_set(name: str) -> None:
+    default = system_class(name).PRESETS["default"]
+    counts = [key for key, value in as_dict(default).items() if type(value) is int]
+    assert counts
+    for key in counts:
+        with pytest.raises(UsageError, match=f"{name}.*>= 1.*{key}"):
+            resolve(name, default, {name: {key: 0}})

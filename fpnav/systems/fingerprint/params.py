@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from fpnav.params import Params
+from fpnav.params import Count, NotNegative, Params, Positive, Share
 
 
 class FingerprintParams(Params, frozen=True):
@@ -43,46 +43,46 @@ class FingerprintParams(Params, frozen=True):
 
     use_laser: bool = True
     use_camera: bool = True
-    laser_fov_deg: float = 360.0
+    laser_fov_deg: NotNegative = 360.0
     white_balance: bool = False
-    pair_deg: float = 3.0
-    delta_n_deg: float = 20.0
-    certainty_n: float = 0.5
+    pair_deg: NotNegative = 3.0
+    delta_n_deg: Positive = 20.0
+    certainty_n: Share = 0.5
     use_f: bool = True
     use_colour: bool = True
-    corner_epsilon_m: float = 0.06
+    corner_epsilon_m: NotNegative = 0.06
     certainty: Literal["raw", "flat", "calibrated"] = "raw"
     scores: Literal["table", "plain", "learned"] = "table"
     exemplars: int = 0
-    exemplar_m: float = 0.0
-    angle_deg: float = 0.0
-    ray_deg: float = 0.0
+    exemplar_m: NotNegative = 0.0
+    angle_deg: NotNegative = 0.0
+    ray_deg: NotNegative = 0.0
     camera: Literal["letters", "strips"] = "letters"
     memory: Literal["mean", "chosen"] = "mean"
     candidates: int = 200
-    same_m: float = 1.5
-    same_deg: float = 45.0
-    fuse_gate_deg: float = 0.0
+    same_m: NotNegative = 1.5
+    same_deg: NotNegative = 45.0
+    fuse_gate_deg: NotNegative = 0.0
     cuts: Literal["all", "view"] = "all"
-    weight_v: float = 1.0
-    weight_colour: float = 1.0
-    weight_c: float = 1.0
-    weight_f: float = 1.0
-    weight_n: float = 0.3
-    gamma: float = 0.5
+    weight_v: NotNegative = 1.0
+    weight_colour: NotNegative = 1.0
+    weight_c: NotNegative = 1.0
+    weight_f: NotNegative = 1.0
+    weight_n: NotNegative = 0.3
+    gamma: NotNegative = 0.5
     compare: Literal["previous", "mean", "both"] = "previous"
     theta: float | Literal["auto", "otsu"] = 0.55
     nodes: int = 0
-    min_node_obs: int = 2
+    min_node_obs: Count = 2
     segment: Literal["threshold", "changepoint"] = "threshold"
-    window: int = 6
-    penalty: float = 0.05
-    step_m: float = 0.12
-    step_heading_deg: float = 0.0
-    merge_deg: float = 2.0
+    window: Count = 6
+    penalty: NotNegative = 0.05
+    step_m: NotNegative = 0.12
+    step_heading_deg: NotNegative = 0.0
+    merge_deg: NotNegative = 2.0
     settle: int = 4
-    certainty_min: float = 0.15
-    features_max: int = 60
+    certainty_min: NotNegative = 0.15
+    features_max: Count = 60
     headings: int = 10
 
 

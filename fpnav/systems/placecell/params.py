@@ -6,12 +6,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, structs
 
-from fpnav.params import Params
-
-Share = Annotated[float, Meta(ge=0.0, le=1.0)]
-Positive = Annotated[float, Meta(gt=0.0)]
-NotNegative = Annotated[float, Meta(ge=0.0)]
-Count = Annotated[int, Meta(ge=1)]
+from fpnav.params import Count, NotNegative, Params, Positive, Share
 
 
 class PlacecellParams(Params, frozen=True):
