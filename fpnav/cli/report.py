@@ -41,12 +41,20 @@ def _gates(
     "--fail-under", "gates", multiple=True, callback=_gates, metavar="METRIC=VALUE",
     help="Exit 4 where a result has less; for errors, such as position_error_median_m, more.",
 )  # fmt: skip
+@click.option(
+    "--threshold-from", "other", type=options.FILE, metavar="OTHER.h5",
+    help="Result of another run by the same system: precision and recall at its thresholds too.",
+)  # fmt: skip
 @options.as_json
 @options.quiet
 @options.no_clobber
 @options.stats_json
 def command(
-    files: tuple[Path, ...], output: Path, gates: list[tuple[str, float]], **given: Any
+    files: tuple[Path, ...],
+    output: Path,
+    gates: list[tuple[str, float]],
+    other: Path | None,
+    **given: Any,
 ) -> None:
     """Write DIR/index.html, report.json, CSV and figures from saved results, side by side.
 
@@ -64,8 +72,9 @@ def command(
     if session.no_clobber and page.exists():
         raise UsageError(f"{page}: exists and --no-clobber is set")
     results = [(file.stem, read_result(file)) for file in files]
+    chosen_on = (other.stem, read_result(other)) if other else None
     with progress("report", len(results)) as advance:
-        entries = write_report(results, output, advance)
+        entries = write_report(results, output, advance, chosen_on)
     names = [entry.name for entry in entries]
     if not session.as_json:
         click.echo(page)

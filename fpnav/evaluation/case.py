@@ -42,7 +42,8 @@ class Case:
     graph neighbours accepted besides by the tolerant figures. ``true_place`` (Q,) owns the nearest
     mapping pose, -1 = none (maps only). ``member_apart_m``, ``_rad`` (Q,): from the truth of the
     query to that of the best member; ``position_error_m``, ``heading_error_rad`` (Q,): the same
-    with the stated relative pose applied. NaN where unknown.
+    with the stated relative pose applied. NaN where unknown. ``chosen_on``: another run, from which
+    thresholds are carried over.
     """
 
     result: Result
@@ -54,6 +55,7 @@ class Case:
     member_apart_rad: FloatArray
     position_error_m: FloatArray
     heading_error_rad: FloatArray
+    chosen_on: Case | None = None
 
     @property
     def has_map(self) -> bool:

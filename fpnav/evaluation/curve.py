@@ -117,13 +117,17 @@ def area_of_correct(counts: Counts) -> FloatArray:
     return _trapezoid(counts, counts.recall(counts.correct))
 
 
+def reaches(counts: Counts, least: float) -> Bools:
+    """Whether precision is at least ``least`` at each threshold, (B, T)."""
+    # accepted * least is compared, not the quotient: 99 of 100 must reach 0.99 exactly.
+    return np.asarray(counts.right >= counts.accepted * least - 1e-9)
+
+
 def recall_at_precision(least: float) -> Figure:
     """Largest recall at a precision of at least ``least``; 0 where none reaches it."""
 
     def of(counts: Counts) -> FloatArray:
-        # accepted * least is compared, not the quotient: 99 of 100 must reach 0.99 exactly.
-        reached = counts.right >= counts.accepted * least - 1e-9
-        recall = np.where(reached, counts.recall(counts.base), 0.0)
+        recall = np.where(reaches(counts, least), counts.recall(counts.base), 0.0)
         return np.asarray(recall.max(axis=1, initial=0.0))
 
     return of

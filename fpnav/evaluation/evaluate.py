@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -62,15 +62,16 @@ class Evaluation:
     case: Case
 
 
-def evaluate(result: Result) -> Evaluation:
-    """Measure everything that can be measured of a result.
+def evaluate(result: Result, chosen_on: Case | None = None) -> Evaluation:
+    """Measure everything that can be measured of a result; thresholds chosen on another run are
+    carried over from it.
 
     Raises
     ------
     TruthError
         The truth saved in the result does not fit it.
     """
-    case = judge(result)
+    case = replace(judge(result), chosen_on=chosen_on)
     measured = {name: entry.measure(name, case) for name, entry in METRICS.items()}
     return Evaluation(
         metrics={name: value for name, value in measured.items() if isinstance(value, Metric)},

@@ -25,6 +25,7 @@ from fpnav.evaluation.topology import (
     nodes_at_closed_doors,
     topology_equal,
 )
+from fpnav.evaluation.transfer import carried_precision, carried_recall
 
 _DC = "; a wrong best match within 3 m and 90 degrees counts neither way"
 _TOLERANT = "; a graph neighbour counts while the query is within 0.5 m of their border"
@@ -63,6 +64,29 @@ def _recall(depth: int) -> dict[str, Entry]:
 
 
 _POSITIVES = "queries with a match, of all judged queries"
+
+
+def _carried(percent: int) -> dict[str, Entry]:
+    """Precision and recall at the threshold of another run."""
+    where = (
+        f"at the threshold where another run of the same system reached {percent} % precision, "
+        "carried over by its quantile among the best scores; no truth of this run is used"
+    )
+    return {
+        f"precision_at_carried_{percent}": Entry(
+            carried_precision(percent / 100),
+            f"Precision, threshold for {percent} % carried over",
+            f"share right of the best matches accepted {where}",
+            "right best matches, of those accepted on judged queries",
+        ),
+        f"recall_at_carried_{percent}": Entry(
+            carried_recall(percent / 100),
+            f"Recall, threshold for {percent} % carried over",
+            f"share of queries whose best match is right and accepted {where}",
+            "right and accepted, of the queries with a match",
+        ),
+    }
+
 
 METRICS: dict[str, Entry] = {
     **_recall(1),
@@ -121,6 +145,8 @@ METRICS: dict[str, Entry] = {
         f"recall at 99 % precision{_DC}",
         _POSITIVES,
     ),
+    **_carried(100),
+    **_carried(99),
     "extended_precision": Entry(
         over_curve("extended_precision"),
         "Extended precision",

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from fpnav.evaluation.case import Case, judge
 from fpnav.evaluation.evaluate import Evaluation, evaluate
 from fpnav.store.tables import Result
 from fpnav.values import Metric
@@ -17,7 +18,8 @@ class Entry:
     """A row of the report.
 
     ``slug`` names its files. ``evaluation`` is None for an entry that has figures of merit alone,
-    such as one of several runs taken together.
+    such as one of several runs taken together. ``chosen_on`` names the run whose thresholds are
+    carried over, if any.
     """
 
     name: str
@@ -26,6 +28,7 @@ class Entry:
     metrics: Mapping[str, Metric]
     absent: Mapping[str, str] = field(default_factory=dict)
     evaluation: Evaluation | None = None
+    chosen_on: str = ""
 
     @property
     def result(self) -> Result | None:
@@ -44,19 +47,23 @@ class Entry:
         return str(self.header.get("method", ""))
 
 
-def entries_of(results: Sequence[tuple[str, Result]]) -> list[Entry]:
-    """Entries of named results, evaluated; equal names are told apart by a number."""
+def entries_of(
+    results: Sequence[tuple[str, Result]], chosen_on: tuple[str, Result] | None = None
+) -> list[Entry]:
+    """Entries of named results, evaluated; equal names are told apart by a number. ``chosen_on``:
+    the run whose thresholds are carried over to them."""
+    other = (chosen_on[0], judge(chosen_on[1])) if chosen_on else ("", None)
     names = distinct([name for name, _ in results])
     slugs = distinct([slug(name) for name in names])
     return [
-        _entry(name, file, result)
+        _entry(name, file, result, *other)
         for name, file, (_, result) in zip(names, slugs, results, strict=True)
     ]
 
 
-def _entry(name: str, file: str, result: Result) -> Entry:
-    evaluation = evaluate(result)
-    return Entry(name, file, result.header, evaluation.metrics, evaluation.absent, evaluation)
+def _entry(name: str, file: str, result: Result, other: str, chosen_on: Case | None) -> Entry:
+    found = evaluate(result, chosen_on)
+    return Entry(name, file, result.header, found.metrics, found.absent, found, other)
 
 
 def distinct(names: Sequence[str]) -> list[str]:

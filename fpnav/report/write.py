@@ -23,12 +23,16 @@ Advance = Callable[[int], None]
 
 
 def write_report(
-    results: Sequence[tuple[str, Result]], folder: Path, advance: Advance = lambda done: None
+    results: Sequence[tuple[str, Result]],
+    folder: Path,
+    advance: Advance = lambda done: None,
+    chosen_on: tuple[str, Result] | None = None,
 ) -> list[Entry]:
     """Write the report of named results into a folder, which is made if missing.
 
     ``report.json``, ``metrics.csv``, per result ``NAME-queries.csv`` and ``NAME-FIGURE.svg`` and
     ``.png``, and ``index.html``, published last. The same results give the same bytes.
+    ``chosen_on`` : name and result of the run whose thresholds are carried over.
 
     Returns
     -------
@@ -39,7 +43,7 @@ def write_report(
     FpnavError
         There is no result, a truth does not fit, or the folder cannot be written.
     """
-    return write_entries(entries_of(results), folder, advance)
+    return write_entries(entries_of(results, chosen_on), folder, advance)
 
 
 def write_entries(

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from helpers.results import recognition
+from helpers.results import header, recognition
 
 from fpnav.store.results import write_result
 
@@ -69,6 +69,7 @@ def test_a_gate_missed_ends_with_4_after_the_report_is_written(home: Path) -> No
         (["--fail-under", "recall_at_1=high"], 2, "'high' is not a number"),
         (["--fail-under", "recall_at_1=nan"], 2, "'nan' is not a number"),
         (["nowhere.h5"], 1, "nowhere.h5"),
+        (["--threshold-from", "nowhere.h5"], 1, "nowhere.h5"),
     ],
 )
 def test_wrong_words_and_missing_files_are_one_known_error(
@@ -88,3 +89,18 @@ def test_a_report_that_exists_is_kept_where_asked(home: Path) -> None:
     assert done.returncode == 2
     assert "kept/index.html: exists and --no-clobber is set" in done.stderr
     assert [path.name for path in (home / "kept").iterdir()] == ["index.html"]
+
+
+def test_thresholds_of_another_run_are_reported_and_can_be_a_gate(home: Path) -> None:
+    facts = header("recognize", sources=[{"name": "day 1"}])
+    scores = [[0.9, 0.2], [0.3, 0.8]]
+    write_result(home / "day1.h5", recognition(scores, pairs={0: [0], 1: [1]}, header=facts))
+    done = fpnav(
+        "report", "run.h5", "-o", "carried", "--threshold-from", "day1.h5",
+        "--fail-under", "precision_at_carried_100=0.9", cwd=home,
+    )  # fmt: skip
+    assert done.returncode == 4
+    (result,) = json.loads((home / "carried" / "report.json").read_text())["results"]
+    found = result["metrics"]["precision_at_carried_100"]
+    assert (found["n"], found["of"]) == (2, 3)
+    assert "threshold for 100 % on day1" in (home / "carried" / "index.html").read_text()

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.results import nowhere, office_run, recognition, revisit_run
+from helpers.results import header, nowhere, office_run, recognition, revisit_run
 
 from fpnav.report.entry import Entry, entries_of
 from fpnav.report.figures.runs import confusion_table
@@ -125,3 +125,25 @@ def test_the_confusion_counts_decisions_and_the_last_column_what_was_withheld() 
     ids = np.array([4, 7])
     table = confusion_table(np.array([4, 4, 7, -1, 7]), np.array([4, 7, -1, 4, 99]), ids)
     assert table.tolist() == [[1, 1, 0], [0, 0, 2]]
+
+
+def test_a_carried_threshold_is_marked_and_said_and_its_absence_too() -> None:
+    pairs = {0: [0], 1: [1]}
+    there = recognition(
+        [[0.9, 0.2], [0.3, 0.8]], pairs=pairs, header=header("recognize", sources=[{"name": "o"}])
+    )
+    run = recognition([[0.5, 0.2], [0.4, 0.3]], pairs=pairs)
+    with styled():
+        marked, plain, refused = (
+            PLOTS["precision-recall"].draw(entries_of([("run", run)], other)[0])
+            for other in (("day-1", there), None, ("itself", run))
+        )
+    assert marked is not None
+    assert plain is not None
+    assert refused is not None
+    said = "100 % on day-1: score 0.8 there, which 100.0 % of its best matches reach; 0.4 here, "
+    assert f"{said}precision 50.0 % (1 of 2), recall 50.0 % (1 of 2)" in marked.note
+    assert "threshold for 100 % on day-1" in legend_of(marked)
+    assert plain.note == ""
+    assert "this very run" in refused.note
+    assert not any("itself" in label for label in legend_of(refused))

@@ -12,7 +12,9 @@ from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
 from fpnav.evaluation import curve
 from fpnav.evaluation.calibration import BINS, bins_of
 from fpnav.evaluation.evaluate import Evaluation
+from fpnav.evaluation.measure import Absent
 from fpnav.evaluation.tolerance import Tolerance, tolerance_sweep
+from fpnav.evaluation.transfer import Carried, carry
 from fpnav.report.entry import Entry
 from fpnav.report.figures.style import (
     FAINT,
@@ -30,6 +32,9 @@ from fpnav.values import FloatArray
 
 _RANKS = 25
 
+_MARKS = {100: "s", 99: "^"}
+"""Marks of the thresholds chosen on another run, by the precision they reached there in percent."""
+
 Found = TypeVar("Found")
 
 
@@ -39,12 +44,15 @@ def precision_recall(entries: Sequence[Entry]) -> Drawing | None:
     if not drawn:
         return None
     figure, axis = new_figure(height=4.3 if len(drawn) > 1 else 3.9)
-    words = []
+    words: list[str] = []
+    notes: list[str] = []
     for color, entry, evaluation in drawn:
         recall, precision = _points(evaluation)
         axis.step(recall, precision, where="post", color=color, lw=1.7, label=shown(entry.name))
         words.append(f"{entry.name}: {_operating_point(axis, evaluation, color)}")
+        notes += _carried(axis, entry, evaluation, color)
     axis.plot([], [], "o", mfc=PAPER, mec=INK, label="threshold the run used")
+    _carried_legend(axis, [entry for _, entry, _ in drawn])
     if len(drawn) == 1:
         _perfect_point(axis, drawn[0][2])
     axis.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.04))
@@ -53,7 +61,8 @@ def precision_recall(entries: Sequence[Entry]) -> Drawing | None:
     percent(axis.xaxis)
     percent(axis.yaxis)
     legend_below(figure, axis, columns=1 if len(drawn) > 2 else 2)
-    return Drawing(figure, f"Precision over recall. {'; '.join(words)}.")
+    alt = f"Precision over recall. {'; '.join([*words, *notes])}."
+    return Drawing(figure, alt, note="".join(f"{line}. " for line in notes))
 
 
 def recall_at_n(entries: Sequence[Entry]) -> Drawing | None:
@@ -185,6 +194,51 @@ def _operating_point(axis: Axes, evaluation: Evaluation, color: str) -> str:
     precision, recall = right / int(made.sum()), right / int(case.has_match.sum())
     axis.plot(recall, precision, "o", mfc=PAPER, mec=color, mew=1.8, ms=7, zorder=5)
     return f"decided with precision {100 * precision:.0f} % at recall {100 * recall:.0f} %"
+
+
+def _carried(axis: Axes, entry: Entry, evaluation: Evaluation, color: str) -> list[str]:
+    """Mark precision and recall at thresholds carried over; what each says, or why not."""
+    if not entry.chosen_on:
+        return []
+    said = []
+    for reached, marker in _MARKS.items():
+        carried = carry(evaluation.case, reached / 100)
+        told = _told(entry, reached, carried)
+        said.append(f"{entry.name}, threshold for {reached} % on {entry.chosen_on}: {told}")
+        names = _carried_names(reached)
+        if all(name in entry.metrics for name in names):
+            precision, recall = (entry.metrics[name].value for name in names)
+            axis.plot(recall, precision, marker, mfc=color, mec=PAPER, ms=7.5, zorder=6)
+    return said
+
+
+def _told(entry: Entry, reached: int, carried: Carried | Absent) -> str:
+    """A carried threshold in words, with the counts that precision and recall are made of."""
+    if isinstance(carried, Absent):
+        return carried.reason
+    parts = [
+        f"score {carried.chosen:.3g} there, which {100 * carried.accepted:.1f} % of its best "
+        f"matches reach; {carried.here:.3g} here"
+    ]
+    for name, word in zip(_carried_names(reached), ("precision", "recall"), strict=True):
+        if name in entry.metrics:
+            found = entry.metrics[name]
+            parts.append(f"{word} {100 * found.value:.1f} % ({found.n} of {found.of})")
+        else:
+            parts.append(f"no {word}: {entry.absent[name]}")
+    return ", ".join(parts)
+
+
+def _carried_names(reached: int) -> tuple[str, str]:
+    return f"precision_at_carried_{reached}", f"recall_at_carried_{reached}"
+
+
+def _carried_legend(axis: Axes, entries: Sequence[Entry]) -> None:
+    """Explain the marks that some entry has."""
+    for reached, marker in _MARKS.items():
+        if any(_carried_names(reached)[0] in entry.metrics for entry in entries):
+            label = f"threshold for {reached} % on {shown(entries[0].chosen_on, 24)}"
+            axis.plot([], [], marker, mfc=INK, mec=PAPER, ms=7.5, label=label)
 
 
 def _perfect_point(axis: Axes, evaluation: Evaluation) -> None:
