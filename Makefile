@@ -74,11 +74,11 @@ reproduce-kortenkamp: $(READY) ## Kortenkamp and Weymouth in twenty simulated bu
 		-o $(BUILD)/reproduce/kortenkamp
 
 .PHONY: reproduce-giovannangeli
-reproduce-giovannangeli: $(READY) ## Giovannangeli et al. in five simulated worlds (20 minutes on 2 cores)
+reproduce-giovannangeli: $(READY) ## Giovannangeli et al. in five simulated worlds
 	$(BIN)/fpnav reproduce giovannangeli --jobs 2 -o $(BUILD)/reproduce/giovannangeli
 
 .PHONY: reproduce-tapus
-reproduce-tapus: $(READY) ## Tapus et al. in five simulated offices (20 minutes on 2 cores)
+reproduce-tapus: $(READY) ## Tapus et al. in five simulated offices
 	$(BIN)/fpnav reproduce tapus --jobs 2 -o $(BUILD)/reproduce/tapus
 
 .PHONY: clean
