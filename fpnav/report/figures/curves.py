@@ -43,7 +43,7 @@ def precision_recall(entries: Sequence[Entry]) -> Drawing | None:
     drawn = _drawn(entries, _curve)
     if not drawn:
         return None
-    figure, axis = new_figure(height=4.3 if len(drawn) > 1 else 3.9)
+    figure, axis = new_figure(height=4.3 if len(drawn) > 1 or drawn[0][1].chosen_on else 3.9)
     words: list[str] = []
     notes: list[str] = []
     for color, entry, evaluation in drawn:
@@ -52,7 +52,7 @@ def precision_recall(entries: Sequence[Entry]) -> Drawing | None:
         words.append(f"{entry.name}: {_operating_point(axis, evaluation, color)}")
         notes += _carried(axis, entry, evaluation, color)
     axis.plot([], [], "o", mfc=PAPER, mec=INK, label="threshold the run used")
-    _carried_legend(axis, [entry for _, entry, _ in drawn])
+    carried = _carried_legend(axis, [entry for _, entry, _ in drawn])
     if len(drawn) == 1:
         _perfect_point(axis, drawn[0][2])
     axis.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.04))
@@ -60,7 +60,7 @@ def precision_recall(entries: Sequence[Entry]) -> Drawing | None:
     axis.set_ylabel("precision")
     percent(axis.xaxis)
     percent(axis.yaxis)
-    legend_below(figure, axis, columns=1 if len(drawn) > 2 else 2)
+    legend_below(figure, axis, columns=1 if carried or len(drawn) > 2 else 2)
     alt = f"Precision over recall. {'; '.join([*words, *notes])}."
     return Drawing(figure, alt, note="".join(f"{line}. " for line in notes))
 
@@ -233,12 +233,15 @@ def _carried_names(reached: int) -> tuple[str, str]:
     return f"precision_at_carried_{reached}", f"recall_at_carried_{reached}"
 
 
-def _carried_legend(axis: Axes, entries: Sequence[Entry]) -> None:
-    """Explain the marks that some entry has."""
+def _carried_legend(axis: Axes, entries: Sequence[Entry]) -> bool:
+    """Explain the marks that some entry has; whether there is one."""
+    any_marked = False
     for reached, marker in _MARKS.items():
         if any(_carried_names(reached)[0] in entry.metrics for entry in entries):
             label = f"threshold for {reached} % on {shown(entries[0].chosen_on, 24)}"
             axis.plot([], [], marker, mfc=INK, mec=PAPER, ms=7.5, label=label)
+            any_marked = True
+    return any_marked
 
 
 def _perfect_point(axis: Axes, evaluation: Evaluation) -> None:

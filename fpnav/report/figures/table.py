@@ -30,7 +30,7 @@ class Comparison:
 
 _PRECISION = (
     "Each query has one best match; the curve sweeps the score it must reach. Hollow circle: what "
-    "the run decided with the threshold it had, which was knowable before the run. Square and "
+    "the run decided with the threshold it had, knowable as no truth went into it. Square and "
     "triangle, where another run was named: thresholds chosen there, knowable without any truth of "
     "this run once its scores are in. Every other point of the curve, and the diamond, is a "
     "threshold picked on this very run with its truth: knowable to nobody."
