@@ -9,14 +9,25 @@ in.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fpnav.errors import StoreError
 from fpnav.matching.ranking import ranked
-from fpnav.systems.base import Features, Recall, State, Trace
+from fpnav.systems.base import (
+    BY_PLACES,
+    Features,
+    MapRule,
+    Memory,
+    Recall,
+    State,
+    Thinning,
+    Trace,
+    no_verification,
+    spread_likelihood,
+)
 from fpnav.values import FloatArray, Signature
 
 
@@ -231,3 +242,47 @@ def _members(state: Mapping[str, NDArray[Any]]) -> dict[int, list[Features]]:
         int(place): list(rows[stop - count : stop])
         for place, count, stop in zip(state["places"], state["counts"], stops, strict=True)
     }
+
+
+class DescriptorSystem:
+    """A system that is its own metric for the memory of descriptors, but for that metric.
+
+    A place is new where a frame is too unlike the one the place began with.
+    """
+
+    POLICY: ClassVar[str] = BY_PLACES
+
+    verify: Any = no_verification
+    likelihood = spread_likelihood
+
+    def __init__(self, params: Any) -> None:
+        self._params = params
+
+    @property
+    def params(self) -> Any:
+        """The parameter block."""
+        return self._params
+
+    @property
+    def rule(self) -> MapRule:
+        """New place where a frame is too unlike the one the place began with."""
+        return MapRule(self._params.theta, 0, self._params.min_node_obs)
+
+    @property
+    def thinning(self) -> Thinning:
+        """As the parameters ask."""
+        return Thinning(self._params.step_m, float(np.deg2rad(self._params.step_heading_deg)))
+
+    def memory(self) -> Memory:
+        """A new, empty memory."""
+        return DescriptorMemory(cast("Metric", self))
+
+    def fit(self, signatures: Sequence[Signature]) -> State:
+        """Nothing is learned of the mapping run."""
+        return {}
+
+    def similarity(self, first: Signature, second: Signature) -> float:
+        """Likeness of two descriptors, in [0, 1], without what a mapping run taught."""
+        metric = cast("Metric", self)
+        one, other = (metric.descriptor(side, {}) for side in (first, second))
+        return metric.likeness(one, other, {})

@@ -14,19 +14,8 @@ from numpy.typing import NDArray
 
 from fpnav.params import Count, NotNegative, Params, Share
 from fpnav.sensing import panorama
-from fpnav.systems.base import (
-    BY_PLACES,
-    Features,
-    MapRule,
-    Memory,
-    Needs,
-    Picture,
-    State,
-    Thinning,
-    no_verification,
-    spread_likelihood,
-)
-from fpnav.systems.descriptors import DescriptorMemory
+from fpnav.systems.base import Features, Needs, Picture, State
+from fpnav.systems.descriptors import DescriptorSystem
 from fpnav.values import FloatArray, Frame, Reference, Signature
 
 CAMERA_ROLES = ("panorama", "omni", "camera")
@@ -61,7 +50,7 @@ class Stack(NamedTuple):
     seen: NDArray[np.bool_]
 
 
-class ImageSystem:
+class ImageSystem(DescriptorSystem):
     """A system of one vector an image, but for what the vector is and how two are compared.
 
     It is its own metric for the memory of descriptors.
@@ -70,33 +59,11 @@ class ImageSystem:
     NAME: ClassVar[str]
     SUMMARY: ClassVar[str]
     NEEDS: ClassVar[Needs] = Needs(CAMERA_ROLES, (CAMERA_ROLES,))
-    POLICY: ClassVar[str] = BY_PLACES
     PARAMS: ClassVar[type[Params]] = ImageParams
     LATE: ClassVar[frozenset[str]] = IMAGE_LATE
     PRESETS: ClassVar[Mapping[str, Params]]
     RECORD: ClassVar[np.dtype[Any]] = RECORD
     PARTS: ClassVar[Mapping[str, np.dtype[Any]]] = {"vector": VECTOR}
-
-    verify: Any = no_verification
-    likelihood = spread_likelihood
-
-    def __init__(self, params: Any) -> None:
-        self._params = params
-
-    @property
-    def params(self) -> Any:
-        """The parameter block."""
-        return self._params
-
-    @property
-    def rule(self) -> MapRule:
-        """New place where an image is too unlike the one the place began with."""
-        return MapRule(self._params.theta, 0, self._params.min_node_obs)
-
-    @property
-    def thinning(self) -> Thinning:
-        """As the parameters ask."""
-        return Thinning(self._params.step_m, float(np.deg2rad(self._params.step_heading_deg)))
 
     def vector(self, pixels: NDArray[np.uint8], *, circular: bool) -> Vector:
         """The vector of an image (H, W, 3) uint8 BGR, (D,); ``circular`` for panoramas."""
@@ -128,24 +95,11 @@ class ImageSystem:
             record: np.void = np.array([(int(len(found["vector"]) > 0),)], RECORD)[0]
             yield Signature(reference, record, {"vector": found["vector"]})
 
-    def memory(self) -> Memory:
-        """A new, empty memory."""
-        return DescriptorMemory(self)
-
-    def similarity(self, first: Signature, second: Signature) -> float:
-        """How alike two vectors are, in [0, 1]."""
-        one, other = (self.descriptor(side, {}) for side in (first, second))
-        return self.likeness(one, other, {})
-
     def picture(self, signature: Signature) -> Picture:
         """The vector as a grid."""
         vector = signature.parts["vector"]
         values = self.drawn(vector) if len(vector) else np.zeros((1, 1))
         return Picture("grid", np.zeros(0), np.zeros(0), values=values)
-
-    def fit(self, signatures: Sequence[Signature]) -> State:
-        """Nothing is learned of the mapping run."""
-        return {}
 
     def descriptor(self, signature: Signature, model: State) -> Features:
         """The vector as one row, none without an image."""

@@ -19,19 +19,8 @@ from fpnav.params import Count, NotNegative, Params, Positive, Share
 from fpnav.sensing.corners import corners, sensed_arc
 from fpnav.sensing.polar import covered
 from fpnav.sensing.rays import RAY, rays_of
-from fpnav.systems.base import (
-    BY_PLACES,
-    Features,
-    MapRule,
-    Memory,
-    Needs,
-    Picture,
-    State,
-    Thinning,
-    no_verification,
-    spread_likelihood,
-)
-from fpnav.systems.descriptors import DescriptorMemory
+from fpnav.systems.base import Features, Needs, Picture, State
+from fpnav.systems.descriptors import DescriptorSystem
 from fpnav.values import FloatArray, Frame, Reference, Signature
 
 CLOSED_RAD = 0.05
@@ -82,7 +71,7 @@ class Grids(NamedTuple):
     seen: NDArray[np.bool_]
 
 
-class LaserSystem:
+class LaserSystem(DescriptorSystem):
     """A system of one grid over bearing a scan, but for what the grid is.
 
     It is its own metric for the memory of descriptors.
@@ -96,28 +85,6 @@ class LaserSystem:
     PRESETS: ClassVar[Mapping[str, Params]]
     RECORD: ClassVar[np.dtype[Any]] = RECORD
     PARTS: ClassVar[Mapping[str, np.dtype[Any]]] = {"rays": RAY, "corners": CORNER}
-    POLICY: ClassVar[str] = BY_PLACES
-
-    verify: Any = no_verification
-    likelihood = spread_likelihood
-
-    def __init__(self, params: Any) -> None:
-        self._params = params
-
-    @property
-    def params(self) -> Any:
-        """The parameter block."""
-        return self._params
-
-    @property
-    def rule(self) -> MapRule:
-        """New place where a scan is too unlike the one the place began with."""
-        return MapRule(self._params.theta, 0, self._params.min_node_obs)
-
-    @property
-    def thinning(self) -> Thinning:
-        """As the parameters ask."""
-        return Thinning(self._params.step_m, float(np.deg2rad(self._params.step_heading_deg)))
 
     def grid(self, signature: Signature) -> FloatArray:
         """The descriptor of a scan, (bins, depth), not negative."""
@@ -150,24 +117,11 @@ class LaserSystem:
             parts = {"rays": found["rays"], "corners": found["corners"]}
             yield Signature(reference, record, parts)
 
-    def memory(self) -> Memory:
-        """A new, empty memory."""
-        return DescriptorMemory(self)
-
-    def similarity(self, first: Signature, second: Signature) -> float:
-        """Cosine of two grids under the best turn, in [0, 1]."""
-        one, other = (self.descriptor(side, {}) for side in (first, second))
-        return self.likeness(one, other, {})
-
     def picture(self, signature: Signature) -> Picture:
         """The scan's points about the laser."""
         sweep = sweep_of(signature.parts["rays"])
         points = np.column_stack([axis[sweep.hits] for axis in sweep.points])
         return Picture("scan", np.zeros(0), np.zeros(0), values=points)
-
-    def fit(self, signatures: Sequence[Signature]) -> State:
-        """Nothing is learned of the mapping run."""
-        return {}
 
     def descriptor(self, signature: Signature, model: State) -> Features:
         """The grid and its cover; no rows without a scan."""
