@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from fpnav.errors import UsageError
+from fpnav.execution.spread import Here
 from fpnav.experiments.workshop import Workshop
 from fpnav.report.study import Claim, Finding, Heading, Illustration
 from fpnav.values import Metric
@@ -74,13 +76,24 @@ def conduct(
             continue
         chosen = seeds[: study.most.get(name, len(seeds))]
         outcomes = {}
-        for seed in chosen:
-            outcomes[seed] = experiment(workshop, seed)
+        for seed, outcome in zip(chosen, _in_worlds(experiment, workshop, chosen), strict=True):
+            outcomes[seed] = outcome
             advance(1)
         advance(len(seeds) - len(chosen))
         pictures = study.together.get(name, _none)([o.material for o in outcomes.values()])
         findings += _findings(name, outcomes, pictures)
     return findings
+
+
+def _in_worlds(
+    experiment: Experiment, workshop: Workshop, seeds: Sequence[int]
+) -> Iterator[Outcome]:
+    """Outcomes of an experiment in the order of the seeds: several worlds side by side, a single
+    one with its own work spread instead."""
+    if len(seeds) == 1:
+        return iter([experiment(workshop, seeds[0])])
+    alone = replace(workshop, spread=Here())
+    return workshop.spread.ordered(partial(experiment, alone), seeds)
 
 
 def _none(materials: Sequence[Any]) -> Sequence[Illustration]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import pickle
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pytest
 
@@ -16,6 +18,9 @@ from fpnav.experiments.study import Outcome, Study, conduct
 from fpnav.experiments.workshop import Workshop
 from fpnav.report.study import Claim, Heading, Illustration
 from fpnav.values import Metric
+
+Item = TypeVar("Item")
+Answer = TypeVar("Answer")
 
 HEADING = Heading("toy", "toy", "Toy", "", "", {})
 
@@ -57,6 +62,42 @@ def test_a_long_experiment_runs_in_the_first_worlds_only(tmp_path: Path) -> None
 def test_pictures_over_all_worlds_are_made_of_their_materials(tmp_path: Path) -> None:
     with pytest.raises(LookupError, match="6"):
         conduct(study(together={"T1": together}), shop(tmp_path), [1, 2, 3])
+
+
+class Sent:
+    """A spread that sends everything through pickle, as processes do."""
+
+    def ordered(
+        self, function: Callable[[Item], Answer], items: Iterable[Item]
+    ) -> Iterator[Answer]:
+        for item in items:
+            yield pickle.loads(pickle.dumps(pickle.loads(pickle.dumps(function))(item)))
+
+
+def drawn(shop: Workshop, seed: int) -> Outcome:
+    assert isinstance(shop.spread, Here)  # worlds are side by side, each on one process
+    return Outcome([], [Illustration("p", "", "", partial(divmod, seed, 2))])
+
+
+def test_worlds_side_by_side_give_what_one_after_the_other_gives(tmp_path: Path) -> None:
+    one = conduct(study(), Workshop(tmp_path, Here()), [1, 3])
+    both = conduct(study(), Workshop(tmp_path, Sent()), [1, 3])
+    assert repr([(f.name, f.metrics) for f in both]) == repr([(f.name, f.metrics) for f in one])
+    pictured = Study(HEADING, (), {"T1": drawn})
+    found = conduct(pictured, Workshop(tmp_path, Sent()), [4, 5])
+    assert [f.pictures[0].draw() for f in found[1:]] == [(2, 0), (2, 1)]
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_experiments_of_every_paper_can_be_sent_to_a_process(name: str) -> None:
+    for experiment in study_of(name).experiments.values():
+        assert pickle.loads(pickle.dumps(experiment)) is experiment
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_pictures_of_every_paper_can_be_sent_back(name: str, root: Path) -> None:
+    for source in (root / "fpnav" / "experiments" / name).glob("*.py"):
+        assert "lambda: drawing" not in source.read_text(encoding="utf-8"), source
 
 
 def test_an_experiment_that_is_not_there_is_refused(tmp_path: Path) -> None:

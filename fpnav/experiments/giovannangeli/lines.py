@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -224,4 +225,4 @@ def _picture(
     name: str, title: str, fields: Fields, hidden_from_m: float = float("nan")
 ) -> Illustration:
     caption = "One line a place cell; triangles mark where places were learned, on another run."
-    return Illustration(name, title, caption, lambda: drawing.draw(fields, hidden_from_m))
+    return Illustration(name, title, caption, partial(drawing.draw, fields, hidden_from_m))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -87,12 +88,12 @@ def homing_from_all_around(shop: Workshop, seed: int) -> Outcome:
     caption = "Each line a trip, from a dot to a cross; triangles are the places learned."
     places = leader.built.signatures.references["truth"]
     pictures = [
-        Illustration("home", title, caption, lambda: drawing.draw_home(alone, goal, places)),
+        Illustration("home", title, caption, partial(drawing.draw_home, alone, goal, places)),
         Illustration(
             "people",
             "The same with somebody walking about",
             caption,
-            lambda: drawing.draw_home(crowded, goal, places),
+            partial(drawing.draw_home, crowded, goal, places),
         ),
     ]
     return Outcome(metrics, pictures, {"preset": "fig3b", "trips": len(trips(alone))})
@@ -119,7 +120,7 @@ def closing_the_loop(shop: Workshop, seed: int) -> Outcome:
     title = "Figure 8 here: the loop in the morning"
     caption = "The way taught (grey) and the way driven; triangles are the places learned."
     places = _places(leader.built)
-    picture = Illustration("loop", title, caption, lambda: drawing.draw_way(driven, way, places))
+    picture = Illustration("loop", title, caption, partial(drawing.draw_way, driven, way, places))
     return Outcome(metrics, [picture], {"preset": "fig8", "places": len(places)})
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -71,7 +72,7 @@ def _pictures(drives: Sequence[Traversal]) -> list[Illustration]:
             "plan", "Figure 3 here: the experimental space",
             "Walls, the three routes from their starts, and the gateways that the test traversals "
             "found, each with the direction of travel and its type.",
-            lambda: drawing.plan(world, [(drive.route, drive.survey) for drive in tests]),
+            partial(drawing.plan, world, [(drive.route, drive.survey) for drive in tests]),
         ),
     ]  # fmt: skip
 
@@ -88,6 +89,6 @@ def together(surveys: Sequence[Sequence[Survey]]) -> list[Illustration]:
             "errors",
             "Where the gateways were found",
             caption,
-            lambda: drawing.errors(errors_m(flat), errors_rad(flat)),
+            partial(drawing.errors, errors_m(flat), errors_rad(flat)),
         )
     ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from fpnav.errors import TruthError
@@ -66,4 +68,4 @@ def _found(made: list[Stop]) -> Gateways:
 def _picture(world: dict[str, object], survey: Survey) -> Illustration:
     caption = "Arrows: where the robot stood still, by itself; the line is the way of the route."
     title = "Stops of the wall-following robot"
-    return Illustration("stops", title, caption, lambda: drawing.plan(world, [(ROUTE, survey)]))
+    return Illustration("stops", title, caption, partial(drawing.plan, world, [(ROUTE, survey)]))

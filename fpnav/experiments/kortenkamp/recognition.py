@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -109,7 +110,7 @@ def _misread(places: Learned, params: GatewayParams, facts: Facts) -> Outcome:
     caption = "Likelihoods of the seven places where the robot stands at D."
     title = "The misread gateway here"
     picture = Illustration(
-        "misread", title, caption, lambda: drawing.likelihoods(rows, labels, seen.names)
+        "misread", title, caption, partial(drawing.likelihoods, rows, labels, seen.names)
     )
     return Outcome(metrics, [picture], {**facts, "misread": f"{MISREAD} as {MISREAD_AS}"})
 
@@ -169,4 +170,4 @@ def _gap(places: Learned, seen: Recognition, params: GatewayParams) -> float:
 
 def _table(name: str, title: str, names: tuple[str, ...], table: FloatArray) -> Illustration:
     caption = "Down the side where the robot is, across the top the stored places."
-    return Illustration(name, title, caption, lambda: drawing.likelihoods(table, names, names))
+    return Illustration(name, title, caption, partial(drawing.likelihoods, table, names, names))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import msgspec
@@ -36,7 +37,7 @@ def matchers(shop: Workshop, seed: int) -> Outcome:
     picture = Illustration(
         "matchers", "Scenes matched by each algorithm",
         "Of sixteen test scenes those whose own stored scene scored best, alone.",
-        lambda: drawing.matchers([m.n for m in told], PAPER_MATCHED, len(places.tests)),
+        partial(drawing.matchers, [m.n for m in told], PAPER_MATCHED, len(places.tests)),
     )  # fmt: skip
     return Outcome([*told, *lead, scenes], [picture], {"preset": "paper", "scenes": 16})
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -48,7 +49,7 @@ def together(tables: Sequence[Any]) -> list[Illustration]:
     total = np.sum(tables, axis=0)
     title = "Types over all worlds"
     caption = "Down the side the true type, across what the two thresholds made of it."
-    return [Illustration("types", title, caption, lambda: drawing.confusion(total, NAMES))]
+    return [Illustration("types", title, caption, partial(drawing.confusion, total, NAMES))]
 
 
 def _accuracy(name: str, table: Any) -> Metric:
