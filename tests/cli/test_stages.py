@@ -149,7 +149,8 @@ def test_late_parameters_may_be_set_on_stored_signatures(folder: Path, tmp_path:
         json.loads(
             done(
                 "build-map", folder / "map.sig.h5", "--json", "--no-loops",
-                "--set", f"fingerprint.theta={theta}", "-o", tmp_path / "map.h5",
+                "--set", "fingerprint.segment=threshold", "--set", f"fingerprint.theta={theta}",
+                "-o", tmp_path / "map.h5",
             ).stdout
         )["places"]
         for theta in ("0.9", "0.2")
