@@ -69,8 +69,7 @@ def checked(
     poses[..., 0] = off
     recall = Recall(rows, np.log(shares / (1.0 - shares)), np.zeros(rows.shape))
     best = poses[:, 0]
-    done = np.ones(len(rows), dtype=np.bool_)
-    return Checked(recall, best, np.zeros((len(rows), 3, 3)), shares[:, 0], poses, shares, done)
+    return Checked(recall, best, np.zeros((len(rows), 3, 3)), shares[:, 0], poses, shares)
 
 
 REFERENCE = drive(0, [0] * 12) + [replace(one, reference=replace(
