@@ -35,6 +35,12 @@ def _map(facts: dict[str, Any]) -> list[str]:
         f"{facts['merged']} merged by closing loops",
         f"from {_walked(facts, 'signatures')}",
     ]
+    if facts["returns"]:
+        metres = "" if facts["return_m"] is None else f" and {facts['return_m']:.1f} m"
+        lines.append(
+            f"back at a place after {facts['return_s']:.1f} s{metres} "
+            f"(median of {plural(facts['returns'], 'return')})"
+        )
     if facts["guided"]:
         lines.append("places by label")
     return lines

@@ -20,6 +20,7 @@ from fpnav.errors import LogError
 from fpnav.mapping.loops import LoopParams, close_loops
 from fpnav.mapping.places import learned, make_edges, make_places, runs_of
 from fpnav.mapping.segment import change_points, resolve_threshold
+from fpnav.mapping.sequences import close_sequences
 from fpnav.systems.base import Memory, System, Trace
 from fpnav.topomap.graph import TopoMap
 from fpnav.values import FloatArray, Signature
@@ -70,7 +71,8 @@ def build_map(
         unlike = resolve_threshold(system.rule, lambda: consecutive_novelty(system, signatures))
         novelty, owner, threshold = _opened(system, signatures, unlike, advance)
         if loops is not None:
-            owner, merged = close_loops(system, signatures, owner, unlike, loops)
+            close = close_sequences if system.rule.sequences else close_loops
+            owner, merged = close(system, signatures, owner, unlike, loops)
     places = [
         replace(place, merged_from=merged.get(place.id, ()))
         for place in make_places(signatures, owner)

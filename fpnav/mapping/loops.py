@@ -41,6 +41,8 @@ class LoopParams(Params, frozen=True):
     rounds : passes over the map, each with the loops of the last one closed
     return_m, drift : a stay returns to a neighbouring place within this distance by odometry, plus
         this share of the path between; 0 metres = never
+    length_share, missed : where loops are sequences that come again: how well lengths agree, as a
+        share of them, and the probability that a place is missed
     """
 
     recent_observations: int = 30
@@ -55,6 +57,8 @@ class LoopParams(Params, frozen=True):
     rounds: int = 10
     return_m: float = 0.7
     drift: float = 0.03
+    length_share: float = 0.1
+    missed: float = 0.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,21 +90,35 @@ def close_loops(
     owner : (N,), ids renumbered from 0 in the order the places are first visited
     merged : kept id -> ids on the open chain map, where more than one
     """
-    origin = owner.copy()
-    if params.return_m > 0:
-        owner = merge_returns(
-            system,
-            signatures,
-            owner,
-            threshold,
-            reach_m=params.return_m,
-            drift=params.drift,
-        )
+    origin = owner
+    owner = returned(system, signatures, owner, threshold, params)
     for _ in range(params.rounds):
         merges = find_loops(system, signatures, owner, threshold, params)
         if not merges:
             break
         owner = np.array([_root(merges, int(place)) for place in owner], dtype=np.int64)
+    return renumbered(origin, owner)
+
+
+def returned(
+    system: System,
+    signatures: Sequence[Signature],
+    owner: NDArray[np.int64],
+    threshold: float,
+    params: LoopParams,
+) -> NDArray[np.int64]:
+    """Owners with the ways back that odometry shows merged, where that is asked for."""
+    if params.return_m <= 0:
+        return owner.copy()
+    return merge_returns(
+        system, signatures, owner, threshold, reach_m=params.return_m, drift=params.drift
+    )
+
+
+def renumbered(
+    origin: NDArray[np.int64], owner: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], dict[int, tuple[int, ...]]]:
+    """Ids from 0 in the order the places are first visited, and what each was merged from."""
     _, first = np.unique(owner, return_index=True)
     order = owner[np.sort(first)]
     closed = np.array([int(np.flatnonzero(order == place)[0]) for place in owner], dtype=np.int64)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from fpnav.store.header import MAP, RESULT, SIGNATURES, Header, check_header
 from fpnav.store.maps import read_graph
 from fpnav.store.results import read_header, read_result
 from fpnav.store.tables import REFERENCE
+from fpnav.values import Place
 
 KINDS = {SIGNATURES: "signatures", MAP: "map", RESULT: "result"}
 
@@ -75,7 +77,29 @@ def _map(path: Path) -> dict[str, Any]:
         "edges": len(topomap.edges),
         "merged": sum(len(place.merged_from) > 0 for place in places),
         "labels": sorted({place.label for place in places} - {""}),
+        **_returns(places, references),
     }
+
+
+def _returns(places: Sequence[Place], references: NDArray[Any]) -> dict[str, Any]:
+    """How often a session came back to a place it had left, and the usual time and way from one
+    arrival to the next: those of a lap where it drove in laps. None where that is not known."""
+    pairs = [pair for place in places for pair in pairwise(_arrivals(place.members))]
+    left, back = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    same = references["session"][left] == references["session"][back]
+    first, second = references[left[same]], references[back[same]]
+    seconds = (second["stamp_ns"] - first["stamp_ns"]) * 1e-9
+    metres = second["travelled_m"] - first["travelled_m"]
+    return {"returns": len(seconds), "return_s": _median(seconds), "return_m": _median(metres)}
+
+
+def _arrivals(members: Sequence[int]) -> list[int]:
+    """The first signature of every visit."""
+    return [row for row in members if row - 1 not in members]
+
+
+def _median(values: NDArray[Any]) -> float | None:
+    return round(float(np.median(values)), 3) if np.isfinite(values).any() else None
 
 
 def _result(path: Path) -> dict[str, Any]:

@@ -53,6 +53,7 @@ class MapRule:
     With a ``window`` > 0 places are cut offline instead, where the ``window`` signatures before and
     after are less alike than usual by ``penalty``; the threshold then only says what is unlike.
     ``budget`` : units kept of each place once all are learned; 0 = all.
+    ``sequences`` : a place has few signatures, so that loops show as a sequence that comes again.
     """
 
     threshold: float | Literal["auto", "otsu"]
@@ -61,6 +62,7 @@ class MapRule:
     window: int = 0
     penalty: float = 0.0
     budget: int = 0
+    sequences: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,11 +10,15 @@ import pytest
 from helpers import mcaps, stores
 from helpers.commands import run
 from helpers.logs import START_NS, STEP_NS, drive, log_bytes, scan, write_log
+from helpers.toy_system import Toy, ToyParams
+from helpers.toy_system import drive as toy_drive
 
 from fpnav.logs.writer import LogWriter
-from fpnav.store.maps import write_map
+from fpnav.mapping.build import build_map
+from fpnav.mapping.loops import LoopParams
+from fpnav.store.maps import BuiltMap, write_map
 from fpnav.store.results import write_result
-from fpnav.store.signatures import write_signatures
+from fpnav.store.signatures import collect, write_signatures
 
 
 def test_a_log_is_told_on_one_screen(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -133,3 +137,18 @@ def test_an_hdf5_file_of_others_is_refused(
     outcome = run(capsys, "info", tmp_path / "other.h5")
     assert outcome.code == 1
     assert "other.h5" in outcome.err
+
+
+def test_a_map_of_laps_says_how_long_a_lap_takes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = toy_drive([place for place in [*range(30), *range(30)] for _ in range(6)], bins=48)
+    found = build_map(Toy(ToyParams()), rows, loops=LoopParams(), advance=lambda done: None)
+    table = collect(rows, stores.RECORD, stores.PARTS)
+    made = BuiltMap(found.topomap, table, found.novelty, found.threshold, found.memory.save())
+    write_map(tmp_path / "laps.h5", stores.MAP_HEADER | {"guided": False}, made)
+    outcome = run(capsys, "info", tmp_path / "laps.h5", "--json")
+    facts = json.loads(outcome.out)
+    assert facts["returns"] == 30
+    assert facts["return_m"] == 180.0
+    assert "median of 30 returns" in run(capsys, "info", tmp_path / "laps.h5").out

@@ -72,13 +72,11 @@ class GatewayMemory:
         self, signature: Signature, previous: Signature | None, trace: Trace
     ) -> tuple[float, Trace]:
         """A gateway is new unless it is the last one met again: 0 where it stands where that
-        stood, else 1; for mere scenes, how unlike the last one it is."""
+        stood by dead reckoning, else 1; for mere scenes, how unlike the last one it is."""
         if previous is None:
             return 1.0, trace
         if NONE not in (signature.record["type"], previous.record["type"]):
-            same = _same_spot(signature, previous, self._params.same_m)
-            if same is not None:
-                return 0.0 if same else 1.0, trace
+            return float(not _same_spot(signature, previous, self._params.same_m)), trace
         return 1.0 - likeness(signature, previous, self._params), trace
 
     def recall(
@@ -203,13 +201,13 @@ class GatewayMemory:
         return self._params.stray * even + (1.0 - self._params.stray) * normalised(table)
 
 
-def _same_spot(first: Signature, second: Signature, within_m: float) -> bool | None:
-    """Whether two gateways met in one session are one, by dead reckoning; None if unknown."""
+def _same_spot(first: Signature, second: Signature, within_m: float) -> bool:
+    """Whether two gateways met in one session are known to be one by dead reckoning."""
     centres = [_centre(one) for one in (first, second)]
     if centres[0] is None or centres[1] is None:
-        return None
+        return False
     turned = angular_distance(centres[0].heading_rad, centres[1].heading_rad)
-    return bool(distance(centres[0], centres[1]) < within_m and turned < SAME_RAD)
+    return distance(centres[0], centres[1]) < within_m and bool(turned < SAME_RAD)
 
 
 def _centre(signature: Signature) -> Pose2 | None:

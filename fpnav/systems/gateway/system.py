@@ -62,8 +62,8 @@ class Gateway:
 
     @property
     def rule(self) -> MapRule:
-        """Every gateway is a place."""
-        return MapRule(NOVEL, min_observations=1)
+        """Every gateway is a place; a lap is a sequence of them that comes again."""
+        return MapRule(NOVEL, min_observations=1, sequences=True)
 
     @property
     def thinning(self) -> Thinning:
