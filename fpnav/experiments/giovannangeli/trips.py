@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from msgspec import structs
 from numpy.typing import NDArray
 
 from fpnav.evaluation.guidance import (
@@ -170,9 +171,14 @@ def home_trips(
 
 
 def drive(leader: Leader, job: Job) -> tuple[NDArray[Any], FloatArray]:
-    """Decisions of one trip along a job's route, and the way, (n, 2)."""
+    """Decisions of one trip along a job's route, and the way, (n, 2).
+
+    The robot that drives by itself carries a scanner besides: the neural field takes it around
+    what stands beside the way (section V-B).
+    """
     stage = stage_of(job.setting)
-    expedition = following(stage, job.rig, job.route, leader.params.speed_mps, Order())
+    rig = structs.replace(job.rig, roles=tuple(dict.fromkeys([*job.rig.roles, "scan"])))
+    expedition = following(stage, rig, job.route, leader.params.speed_mps, Order())
     way = resampled(np.array(expedition.route.points))
     return travel(stage, expedition, leader), way
 
