@@ -166,26 +166,37 @@ def _row(claim: Claim, findings: Sequence[Finding]) -> dict[str, Any] | None:
     if not pooled or claim.metric not in pooled[0].metrics:
         return None
     metric = pooled[0].metrics[claim.metric]
+    share = _is_share(claim.experiment, claim.metric, findings)
     met = claim.met(metric)
     return {
         "experiment": claim.experiment,
         "what": claim.what,
         "paper": claim.paper,
-        "goal": _goal(claim, metric),
-        "value": words.number(metric),
-        "range": _range(claim, findings),
-        "counts": words.counts(metric) if words.is_rate(metric) else "",
+        "goal": _goal(claim, metric, share=share),
+        "value": _as(metric, metric.value, share=share),
+        "range": _range(claim, findings, share=share),
+        "counts": f"{words.counts(metric)} in all" if share else "",
         "verdict": "" if met is None else ("met" if met else "missed"),
         "meaning": claim.meaning,
     }
 
 
-def _goal(claim: Claim, like: Metric) -> str:
+def _is_share(experiment: str, name: str, findings: Sequence[Finding]) -> bool:
+    """Whether a figure counts something in every world; its mean over them then is a share too."""
+    own = [f for f in findings if f.experiment == experiment and name in f.metrics]
+    single = [f for f in own if f.seed is not None] or own
+    return all(words.is_rate(finding.metrics[name]) for finding in single)
+
+
+def _goal(claim: Claim, like: Metric, *, share: bool) -> str:
     bounds = [(claim.least, "\u2265"), (claim.most, "\u2264"), (claim.above, ">")]
-    return " and ".join(f"{sign} {_as(like, value)}" for value, sign in bounds if value is not None)
+    told = (
+        f"{sign} {_as(like, value, share=share)}" for value, sign in bounds if value is not None
+    )
+    return " and ".join(told)
 
 
-def _range(claim: Claim, findings: Sequence[Finding]) -> str:
+def _range(claim: Claim, findings: Sequence[Finding], *, share: bool) -> str:
     """Least and largest value over the seeds."""
     metrics = [
         f.metrics[claim.metric]
@@ -194,17 +205,15 @@ def _range(claim: Claim, findings: Sequence[Finding]) -> str:
     ]
     if len(metrics) < 2:
         return ""
-    values = [metric.value for metric in metrics]
-    return f"{_as(metrics[0], min(values))} to {_as(metrics[0], max(values))}"
+    low, high = (pick(metric.value for metric in metrics) for pick in (min, max))
+    return f"{_as(metrics[0], low, share=share)} to {_as(metrics[0], high, share=share)}"
 
 
-def _as(like: Metric, value: float) -> str:
-    """A number in the form of a metric of that name."""
-    share = words.is_rate(like)
-    scaled = Metric(like.name, value, round(value * 1000) if share else 0, 1000, like.unit)
-    if share and not math.isclose(scaled.n / 1000, value):
+def _as(like: Metric, value: float, *, share: bool) -> str:
+    """A number in the form of a metric of that name, in percent where it is a share."""
+    if share:
         return f"{100 * value:.1f}\u202f%"
-    return words.number(scaled)
+    return words.number(Metric(like.name, value, 0, 0, like.unit))
 
 
 def _section(
@@ -220,9 +229,12 @@ def _section(
     return {
         "name": name,
         "title": heading.titles.get(name, name),
-        "columns": [finding.name for finding in own],
+        "columns": ["mean" if f.seed is None else f"world {f.seed}" for f in own],
         "table": [
-            {"title": words.title_of(metric), "cells": [_cell(f, metric) for f in own]}
+            {
+                "title": words.title_of(metric),
+                "cells": [_cell(f, metric, share=_is_share(name, metric, own)) for f in own],
+            }
             for metric in metrics
         ],
         "pictures": [*(pictures[name] if first.name != name else ()), *pictures[first.name]],
@@ -231,11 +243,9 @@ def _section(
     }
 
 
-def _cell(finding: Finding, name: str) -> dict[str, str]:
+def _cell(finding: Finding, name: str, *, share: bool) -> dict[str, str]:
     if name not in finding.metrics:
         return {"value": "", "counts": ""}
     metric = finding.metrics[name]
-    return {
-        "value": words.number(metric),
-        "counts": words.counts(metric) if words.is_rate(metric) else words.interval(metric),
-    }
+    below = words.counts(metric) if share else words.interval(metric)
+    return {"value": _as(metric, metric.value, share=share), "counts": below}

@@ -10,18 +10,22 @@ import numpy as np
 import pytest
 
 from fpnav.experiments.giovannangeli import STUDY
+from fpnav.experiments.giovannangeli.bounded import BUDGETS, over_budgets, seen_again
 from fpnav.experiments.giovannangeli.carried import BETWEEN, JUMPS, jumping
-from fpnav.experiments.giovannangeli.lines import SMALL_STEP_M, line_job
+from fpnav.experiments.giovannangeli.lines import SMALL_STEP_M, afternoon, line_job
 from fpnav.experiments.giovannangeli.text import DRIFT_DEG, drifted
 from fpnav.experiments.giovannangeli.trips import success, within
 from fpnav.store.tables import ACTION, REFERENCE, Ragged, SignatureTable
+from fpnav.values import Metric
 
 
 def table(x_m: np.ndarray[Any, Any]) -> SignatureTable:
     references = np.zeros(len(x_m), REFERENCE)
     references["truth"][:, 0] = x_m
     return SignatureTable(
-        references, np.zeros(len(x_m), "i4"), {"none": Ragged.of([], np.dtype("i4"))}
+        references,
+        np.zeros(len(x_m), "i4"),
+        {"none": Ragged.of([np.zeros(0, "i4")] * len(x_m), np.dtype("i4"))},
     )
 
 
@@ -69,3 +73,42 @@ def test_decisions_without_a_direction_are_not_within_45_degrees() -> None:
     found = within("x", actions, np.zeros(4))
     assert (found.n, found.of) == (2, 4)
     assert success("y", np.array([True, False])).value == 0.5
+
+
+def test_the_second_drive_of_an_afternoon_meets_no_place_when_it_was_learned() -> None:
+    learn, again = afternoon(cast(Any, SimpleNamespace(small=False)), 1)
+    first, second = (job.setting.make() for job in (learn, again))
+    assert first.daylight == second.daylight
+    starts = [world.routes["line"].points[0][0] for world in (first, second)]
+    speeds = [job.rig.capture.speed_mps or first.routes["line"].speed_mps for job in (learn, again)]
+    assert starts[1] < starts[0]
+    places = np.arange(0.0, 25.1, 5.0)
+    met = [
+        (places + starts[0] - start) / speed for start, speed in zip(starts, speeds, strict=True)
+    ]
+    assert np.abs(met[0] - met[1]).min() >= 1.0
+
+
+def test_a_place_sees_the_panoramas_nearest_to_it_again_its_own_first() -> None:
+    run = cast(Any, SimpleNamespace(header={}, table=table(np.arange(7.0)), system=None))
+    run.table.references["label"][[1, 5]] = [b"place-1", b"place-2"]
+    found = seen_again(run).table.references
+    assert found["truth"][:, 0].tolist() == [1.0, 5.0, 0.0, 2.0, 3.0, 4.0, 6.0]
+    assert found["label"].tolist()[2:] == [b"place-1"] * 3 + [b"place-2"] * 2
+
+
+def test_the_budgets_of_all_worlds_become_one_picture() -> None:
+    names = [{40: "bounded", 0: "plain"}.get(budget, f"of_{budget}") for budget in BUDGETS]
+    worlds = [
+        {
+            metric.name: metric
+            for name in names
+            for metric in (
+                Metric(f"landmarks_{name}", 100.0, 1, 1, "landmarks"),
+                Metric(f"nearest_wins_{name}", share, 1, 2),
+            )
+        }
+        for share in (0.5, 0.7)
+    ]
+    (picture,) = over_budgets(worlds)
+    assert picture.draw().alt.endswith("100 landmarks 60 %.")

@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fpnav.execution.stages import locate_run, make_map, take
+from fpnav.execution.stages import locate_run, take
 from fpnav.execution.walk import Run, SystemChoice
 from fpnav.experiments.giovannangeli.lines import (
     LEARN,
-    SAME_DAY,
     SAME_LAMPS,
     TEST,
+    afternoon,
     choice,
+    guided_map,
     labelled,
     line_job,
 )
@@ -40,10 +41,7 @@ def carried_off(shop: Workshop, seed: int) -> Outcome:
         line_job(shop, "room", seed, LEARN, SAME_LAMPS, 0.2),
         line_job(shop, "room", seed, TEST, SAME_LAMPS),
     )
-    outdoor = (
-        line_job(shop, "outdoor", seed, LEARN, SAME_DAY, 1.0),
-        line_job(shop, "outdoor", seed, TEST, SAME_DAY),
-    )
+    outdoor = afternoon(shop, seed)
     found = {
         "recovered": recovered(shop, seed, *room, choice("fig3b")),
         "recovered_outdoor": recovered(shop, seed, *outdoor, choice("fig4c", qmax=0)),
@@ -61,13 +59,7 @@ def recovered(
 ) -> NDArray[np.bool_]:
     """Whether the nearest place wins at the first panorama after each jump, (JUMPS,)."""
     log = shop.log(learn)
-    header, built = make_map(
-        labelled(shop.run(log, chosen)),
-        [log],
-        guided=True,
-        close_loops=False,
-        advance=lambda done: None,
-    )
+    header, built = guided_map(labelled(shop.run(log, chosen)), log)
     asked = shop.run(shop.log(test), chosen)
     rows, first, nearest = jumping(built, asked, seed)
     result = locate_run(

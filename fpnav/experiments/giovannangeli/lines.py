@@ -28,10 +28,13 @@ from fpnav.execution.walk import Run, SystemChoice
 from fpnav.experiments.study import Outcome
 from fpnav.experiments.workshop import Workshop, job_of
 from fpnav.localization.locate import Method
-from fpnav.params import Tables
+from fpnav.params import NO_TABLES, Tables
 from fpnav.report.figures import fields as drawing
 from fpnav.report.study import Illustration
 from fpnav.sim.record import Job
+from fpnav.store.header import Header
+from fpnav.store.maps import BuiltMap
+from fpnav.systems.placecell.params import PRESETS
 from fpnav.values import Metric
 
 LEARN, TEST = 1, 3
@@ -43,8 +46,18 @@ SCALES = (0.25, 0.5, 1.0, 2.0)
 SMALL_STEP_M = {"room": 0.1, "outdoor": 0.5}
 """Steps along the lines in small."""
 
-SAME_DAY: Tables = {"world": {"moved_share": 0.0}, "film": {"exposure_spread": 0.01}}
-"""Nothing is moved between learning and test; the gain of the camera is fixed."""
+FOCUS = PRESETS["fig4c"].focus
+"""Focus points of a panorama, which the paper does not say: in figure 7 as many as in 3 and 4."""
+
+SAME_DAY: Tables = {
+    "world": {"moved_share": 0.0},
+    "film": {"exposure_spread": 0.01, "rolling": 0.0},
+}
+"""Nothing is moved; the gain of the camera is fixed, and no lamp flickers in daylight."""
+
+LINE_M, BEFORE_M, AGAIN_MPS = 25.0, 0.5, 0.4
+"""Length of the line outdoors. The second drive along it begins so much before the first place and
+is slower than the first, so that no image of it is taken where and when one was learned."""
 
 SAME_LAMPS: Tables = {
     "world": {"moved_share": 0.0, "lamp_spread": 0.0, "warmth_spread": 0.0},
@@ -75,16 +88,15 @@ def soft_and_strict(shop: Workshop, seed: int) -> Outcome:
         learned_activity(soft),
     ]
     pictures = [
-        _picture("strict", "Figure 3a here: strict competition", strict),
-        _picture("soft", "Figure 3b here: soft competition", soft),
+        picture("strict", "Figure 3a here: strict competition", strict),
+        picture("soft", "Figure 3b here: soft competition", soft),
     ]
     return Outcome(metrics, pictures, {"preset": "fig3b"})
 
 
 def short_term_memory(shop: Workshop, seed: int) -> Outcome:
     """B2, figure 4: six places 5 m apart in the open, with and without short-term memory."""
-    learn = shop.log(line_job(shop, "outdoor", seed, LEARN, SAME_DAY, step_m=1.0))
-    test = shop.log(line_job(shop, "outdoor", seed, TEST, SAME_DAY))
+    learn, test = (shop.log(job) for job in afternoon(shop, seed))
     without = line(shop, learn, test, choice("fig4c", qmax=0))
     held = line(shop, learn, test, choice("fig4c"))
     window = line(shop, learn, test, choice("fig4c", stm="window"))
@@ -98,8 +110,8 @@ def short_term_memory(shop: Workshop, seed: int) -> Outcome:
         _diameter(held),
     ]
     pictures = [
-        _picture("without", "Figure 4b here: without extended memory", without),
-        _picture("with", "Figure 4c here: the last four panoramas are held", held),
+        picture("without", "Figure 4b here: without extended memory", without),
+        picture("with", "Figure 4c here: the last four panoramas are held", held),
     ]
     return Outcome(metrics, pictures, {"preset": "fig4c"})
 
@@ -109,7 +121,7 @@ def growing_fields(shop: Workshop, seed: int) -> Outcome:
     diameters = []
     scales = SCALES[::2] if shop.small else SCALES
     for scale in scales:
-        learn, test = (_scaled(shop, seed, run, scale) for run in (LEARN, TEST))
+        learn, test = (_scaled(shop, seed, scale, again=again) for again in (False, True))
         fields = line(shop, learn, test, choice("fig4c"))
         diameters.append(float(widths(fields, FIELD_SHARE).mean()))
     metrics = [field_slope(np.array(scales), np.array(diameters))]
@@ -122,14 +134,13 @@ def growing_fields(shop: Workshop, seed: int) -> Outcome:
 
 def occluded(shop: Workshop, seed: int) -> Outcome:
     """B4, figure 7: half of the view hidden from the middle of the line on, eq. 3 and eq. 4."""
-    learn = shop.log(line_job(shop, "outdoor", seed, LEARN, SAME_DAY, step_m=1.0))
-    free_log = shop.log(line_job(shop, "outdoor", seed, TEST, SAME_DAY))
-    hidden = {**SAME_DAY, "mask": {"share": 0.5, "from_share": 0.5}}
-    hidden_log = shop.log(line_job(shop, "outdoor", seed, TEST, hidden))
+    learn, free_log = (shop.log(job) for job in afternoon(shop, seed))
+    half = {"mask": {"share": 0.5, "from_share": 0.5}}
+    hidden_log = shop.log(afternoon(shop, seed, hidden=half)[1])
     metrics: list[Metric] = []
     pictures = []
     for name, rho_l in (("", 0.25), ("_eq3", 1.0)):
-        chosen = choice("fig7b", rho_l=rho_l, drop_hidden=True)
+        chosen = choice("fig7b", focus=FOCUS, rho_l=rho_l, drop_hidden=True)
         free, dark = (_inner(line(shop, learn, log, chosen)) for log in (free_log, hidden_log))
         middle = float(free.position_m.mean())
         ratio, winner = occlusion(dark, free, middle)
@@ -140,8 +151,8 @@ def occluded(shop: Workshop, seed: int) -> Outcome:
             named(near, f"occlusion_nearest_wins{name}"),
         ]
         title = "Figure 7b here: eq. 4" if rho_l < 1.0 else "Figure 7a here: eq. 3"
-        pictures.append(_picture(f"hidden{name}", title, dark, middle))
-    return Outcome(metrics, pictures, {"preset": "fig7b"})
+        pictures.append(picture(f"hidden{name}", title, dark, middle))
+    return Outcome(metrics, pictures, {"preset": "fig7b", "focus": FOCUS})
 
 
 def line(
@@ -155,13 +166,18 @@ def line_of(
     shop: Workshop, learn: Path, asked: Run, chosen: SystemChoice, names: Sequence[str] = ()
 ) -> Fields:
     """The same over a run that is extracted already."""
-    header, built = make_map(
-        labelled(shop.run(learn, chosen), names),
-        [learn],
-        guided=True,
-        close_loops=False,
-        advance=lambda done: None,
-    )
+    named_places = labelled(shop.run(learn, chosen), names)
+    return fields_on(guided_map(named_places, learn), asked)
+
+
+def guided_map(run: Run, log: Path) -> tuple[Header, BuiltMap]:
+    """Map of the places that the labels of a run name."""
+    return make_map(run, [log], guided=True, close_loops=False, advance=lambda done: None)
+
+
+def fields_on(made: tuple[Header, BuiltMap], asked: Run) -> Fields:
+    """Fields of the places of a map over a run, each signature on its own but for what is held."""
+    header, built = made
     result = locate_run(
         asked.system, header, built, asked, method=Method.MATCH, advance=lambda done: None
     )
@@ -190,7 +206,7 @@ def line_job(
     """A drive along the line of a world; its own step where none is given, longer in small."""
     if shop.small:
         step_m = max(step_m, SMALL_STEP_M[world])
-    changed = {**tables, "capture": {"step_m": step_m}}
+    changed = {**tables, "capture": {**tables.get("capture", {}), "step_m": step_m}}
     return job_of(world, "line", seed, run, sensors=sensors, tables=changed)
 
 
@@ -200,16 +216,47 @@ def _inner(fields: Fields) -> Fields:
     return Fields(fields.position_m, activity, learned)
 
 
-def _scaled(shop: Workshop, seed: int, run: int, scale: float) -> Any:
-    """A line whose length, places and samples grow with the world."""
+def afternoon(
+    shop: Workshop,
+    seed: int,
+    sensor: str = "panorama",
+    *,
+    speed_mps: float = 0.0,
+    step_m: float = 0.0,
+    hidden: Tables = NO_TABLES,
+) -> tuple[Job, Job]:
+    """The line outdoors driven to learn, and once more the same afternoon.
+
+    Sun and clouds stay, as in figures 4 and 7; people have walked on, and noise is drawn anew.
+    ``speed_mps`` : of both drives; 0 = the route's, then AGAIN_MPS. ``step_m`` : of the second
+    """
+    learn: Tables = {**SAME_DAY, "capture": {"speed_mps": speed_mps}}
+    longer = {**SAME_DAY["world"], "line_m": LINE_M + 2.0 * BEFORE_M}
+    again: Tables = {
+        **SAME_DAY,
+        **hidden,
+        "world": longer,
+        "capture": {"speed_mps": speed_mps or AGAIN_MPS},
+    }
+    return (
+        line_job(shop, "outdoor", seed, LEARN, learn, 1.0, [sensor]),
+        line_job(shop, "outdoor", seed, LEARN, again, step_m, [sensor]),
+    )
+
+
+def _scaled(shop: Workshop, seed: int, scale: float, *, again: bool) -> Path:
+    """A line whose length, places, samples and speed grow with the world."""
+    length = LINE_M + (2.0 * BEFORE_M if again else 0.0)
     world = {
         **SAME_DAY["world"],
         "scale": scale,
-        "line_m": 25.0 * scale,
+        "line_m": length * scale,
         "spacing_m": 5.0 * scale,
         "line_step_m": 0.5 * scale,
     }
-    return shop.log(job_of("outdoor", "line", seed, run, tables={**SAME_DAY, "world": world}))
+    speed = {"speed_mps": 5.0 * AGAIN_MPS * scale} if again else {}
+    tables: Tables = {**SAME_DAY, "world": world, "capture": speed}
+    return shop.log(job_of("outdoor", "line", seed, LEARN, tables=tables))
 
 
 def _diameter(fields: Fields) -> Metric:
@@ -221,8 +268,9 @@ def named(metric: Metric, name: str) -> Metric:
     return Metric(name, metric.value, metric.n, metric.of, metric.unit, metric.low, metric.high)
 
 
-def _picture(
+def picture(
     name: str, title: str, fields: Fields, hidden_from_m: float = float("nan")
 ) -> Illustration:
+    """Activity of every place over position."""
     caption = "One line a place cell; triangles mark where places were learned, on another run."
     return Illustration(name, title, caption, partial(drawing.draw, fields, hidden_from_m))

@@ -1,8 +1,9 @@
-"""Which landmarks are worth keeping: greedy facility location over what training showed.
+"""Which landmarks are worth keeping, by what training showed, chosen greedily.
 
 A triplet is worth, at a training panorama of its place, its activity there less its best activity
-at another place. A set is worth, at a panorama, as much as its best triplet; summed over panoramas
-that is monotone submodular, so the greedy choice is within 1 - 1/e of the best.
+at another place. A set is worth, at a panorama, the root of the sum of its triplets: more than one
+witness, but each adds less than the one before. Summed over panoramas that is monotone submodular,
+so the greedy choice is within 1 - 1/e of the best.
 """
 
 from __future__ import annotations
@@ -19,24 +20,24 @@ EVIDENCE = np.dtype([("observation", "<i4"), ("triplet", "<i4"), ("activity", "<
 def select(worth: FloatArray, budget: int) -> NDArray[np.int64]:
     """Columns chosen greedily, at most ``budget``, ascending.
 
-    Once no column adds anything, those worth most in sum are taken; ties by column.
+    Among columns that add the same those worth most in sum are taken; ties by column.
 
     Parameters
     ----------
     worth : (observations, triplets), not negative
     """
-    covered = np.zeros(len(worth))
+    sums = np.zeros((len(worth), 1))
     total = worth.sum(axis=0)
     free = np.ones(worth.shape[1], bool)
     chosen: list[int] = []
     while len(chosen) < min(budget, worth.shape[1]):
-        gain = np.maximum(worth - covered[:, None], 0.0).sum(axis=0)
+        gain = (np.sqrt(sums + worth) - np.sqrt(sums)).sum(axis=0)
         candidates = np.flatnonzero(free)
         rank = np.lexsort((candidates, -total[candidates], -np.round(gain[candidates], 9)))
         best = int(candidates[rank[0]])
         chosen.append(best)
         free[best] = False
-        covered = np.maximum(covered, worth[:, best])
+        sums += worth[:, [best]]
     return np.sort(np.array(chosen, dtype=np.int64))
 
 

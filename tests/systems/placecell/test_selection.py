@@ -13,7 +13,7 @@ from fpnav.systems.placecell.selection import EVIDENCE, select, worth_of
 
 
 def value(worth: np.ndarray, columns: tuple[int, ...]) -> float:
-    return float(worth[:, columns].max(axis=1).sum()) if columns else 0.0
+    return float(np.sqrt(worth[:, columns].sum(axis=1)).sum())
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 4))
@@ -27,7 +27,7 @@ def test_greedy_is_within_its_guarantee(seed: int, budget: int) -> None:
 
 
 def test_columns_that_serve_different_panoramas_go_together() -> None:
-    worth = np.array([[0.9, 0.8, 0.0], [0.9, 0.8, 0.0], [0.0, 0.0, 0.5]])
+    worth = np.array([[0.9, 0.8, 0.0], [0.9, 0.8, 0.0], [0.0, 0.0, 0.6]])
     assert select(worth, 2).tolist() == [0, 2]
 
 
