@@ -65,7 +65,7 @@ def command(where: str, map_file: Path, goal: str | None, route: str | None, **g
 
     \b
     fpnav navigate room --map home.h5 --goal goal --trips 20 -o homing.h5
-    fpnav navigate suburb --map loop.h5 --route loop -o lap.h5
+    fpnav navigate suburb --map loop.h5 --route loop --sensors pan,scan -o lap.h5
     fpnav navigate homing.mcap --map home.h5 --goal goal -o asked.h5
     """
     from fpnav.errors import UsageError

@@ -16,7 +16,7 @@ from fpnav.execution.spread import Here
 from fpnav.experiments.registry import STUDIES, study_of
 from fpnav.experiments.study import Outcome, Study, conduct
 from fpnav.experiments.workshop import Workshop
-from fpnav.report.study import Claim, Heading, Illustration
+from fpnav.report.study import Claim, Finding, Heading, Illustration, study_context
 from fpnav.values import Metric
 
 Item = TypeVar("Item")
@@ -129,3 +129,22 @@ def test_a_studys_claims_and_titles_are_of_its_experiments(name: str) -> None:
     assert {claim.experiment for claim in made.claims} <= set(made.experiments)
     assert set(made.heading.titles) == set(made.experiments)
     assert {*made.together, *made.most} <= set(made.experiments)
+
+
+def test_the_mean_of_shares_is_a_share_above_the_counts_of_all_worlds() -> None:
+    def found(seed: int | None, value: float, n: int, of: int) -> Finding:
+        return Finding("T1", seed, {"share": Metric("share", value, n, of)})
+
+    findings = [found(None, 0.75, 11, 12), found(1, 0.5, 1, 2), found(2, 1.0, 10, 10)]
+    claim = Claim("T1", "share", "", "", least=0.7)
+    context = study_context(HEADING, [claim], findings, {f.name: [] for f in findings})
+    row = context["rows"][0]
+    assert row["value"] == "75.0\u202f%"
+    assert row["counts"] == "11 of 12 in all"
+    assert row["goal"] == "\u2265 70.0\u202f%"
+    assert row["range"] == "50.0\u202f% to 100.0\u202f%"
+    section = context["experiments"][0]
+    assert section["columns"] == ["mean", "world 1", "world 2"]
+    assert [cell["value"] for cell in section["table"][0]["cells"]] == [
+        "75.0\u202f%", "50.0\u202f%", "100.0\u202f%",
+    ]  # fmt: skip
