@@ -10,6 +10,7 @@ BENCHMARKS = {
     "alignment": "cyclic alignment against Biopython's aligner",
     "read_scans": "reading all scans of a log against mcap-ros2-support",
     "landmarks": "30 local views against many landmarks, against faiss",
+    "budget": "recall with few landmarks a place against recall with all",
     "laser_query": "a laser query of 1,000 candidates, checked, against correlative matching",
     "simulator": "simulated frames per second",
     "hardness": "the simulated office: plain peers beside the paper's fingerprint",

@@ -16,6 +16,7 @@ from fpnav.evaluation.guidance import ends_home, follows, taught_along
 from fpnav.execution.stages import make_map
 from fpnav.execution.walk import Run
 from fpnav.experiments.giovannangeli.lines import (
+    FOCUS,
     LEARN,
     SAME_LAMPS,
     TEST,
@@ -30,7 +31,7 @@ from fpnav.experiments.giovannangeli.lines import (
 )
 from fpnav.experiments.giovannangeli.trips import (
     MORNING,
-    PLACES_EVERY_M,
+    OTHER_LIGHT,
     drive,
     few,
     home_trips,
@@ -76,7 +77,7 @@ def street(shop: Workshop, seed: int) -> Outcome:
     """P1: an S-shaped street learned once, driven the same hour two days on and one morning."""
     length: Tables = {"capture": {"length_m": 15.0}} if shop.small else {}
     learn = job_of("suburb", "street", seed, LEARN, tables=length)
-    leader = taught_way(shop, learn, choice("fig8", spacing_m=PLACES_EVERY_M))
+    leader = taught_way(shop, learn, choice("fig8", **OTHER_LIGHT))
     closed, right, of = [], 0, 0
     for run in (TEST, MORNING):
         driven, way = drive(leader, job_of("suburb", "street", seed, run, tables=length))
@@ -87,7 +88,7 @@ def street(shop: Workshop, seed: int) -> Outcome:
         success("route_closed", np.array(closed)),
         Metric("action_within_45", right / max(1, of), right, of),
     ]
-    return Outcome(metrics, (), {"preset": "fig8", "days": 2})
+    return Outcome(metrics, (), {"preset": "fig8", **OTHER_LIGHT, "days": 2})
 
 
 def moved(shop: Workshop, seed: int) -> Outcome:
@@ -162,7 +163,7 @@ def partial_views(shop: Workshop, seed: int) -> Outcome:
 def _inner_fields(shop: Workshop, jobs: tuple[Job, Job], changes: dict[str, Any]) -> Fields:
     """Fields of the inner places of a line, between the first and the last of them."""
     learn, test = (shop.log(job) for job in jobs)
-    fields = line(shop, learn, test, choice("fig8", focus=54, **changes), INNER)
+    fields = line(shop, learn, test, choice("fig8", focus=FOCUS, **changes), INNER)
     return fields.between(0.0, float(fields.learned_m[-1]))
 
 

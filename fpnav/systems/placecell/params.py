@@ -137,6 +137,7 @@ _FIG7B = PlacecellParams(
 )
 _FIG8 = PlacecellParams(
     width=1045,  # 192 px over 60 degrees
+    focus_image=20,
     deriche=0.8,
     dog_sigma1=2.0,
     dog_sigma2=4.0,
