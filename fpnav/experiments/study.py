@@ -70,30 +70,46 @@ def conduct(
     if unknown:
         known = ", ".join(study.experiments)
         raise UsageError(f"{study.heading.name} has no experiment {unknown[0]!r}; it has {known}")
+    worlds = {
+        name: seeds[: study.most.get(name, len(seeds))]
+        for name in study.experiments
+        if not only or name in only
+    }
+    outcomes = _outcomes(study, workshop, worlds)
     findings = []
-    for name, experiment in study.experiments.items():
-        if only and name not in only:
-            continue
-        chosen = seeds[: study.most.get(name, len(seeds))]
-        outcomes = {}
-        for seed, outcome in zip(chosen, _in_worlds(experiment, workshop, chosen), strict=True):
-            outcomes[seed] = outcome
+    for name, own in worlds.items():
+        found = {}
+        for seed in own:
+            found[seed] = next(outcomes)
             advance(1)
-        advance(len(seeds) - len(chosen))
-        pictures = study.together.get(name, _none)([o.material for o in outcomes.values()])
-        findings += _findings(name, outcomes, pictures)
+        advance(len(seeds) - len(own))
+        pictures = study.together.get(name, _none)([o.material for o in found.values()])
+        findings += _findings(name, found, pictures)
     return findings
 
 
-def _in_worlds(
-    experiment: Experiment, workshop: Workshop, seeds: Sequence[int]
+def _outcomes(
+    study: Study, workshop: Workshop, worlds: Mapping[str, Sequence[int]]
 ) -> Iterator[Outcome]:
-    """Outcomes of an experiment in the order of the seeds: several worlds side by side, a single
-    one with its own work spread instead."""
-    if len(seeds) == 1:
-        return iter([experiment(workshop, seeds[0])])
+    """Outcomes by experiment and world: all that have several worlds side by side, without a pause
+    between two experiments; one with a single world has its own work spread instead."""
+    tasks = [
+        (study.experiments[name], seed)
+        for name, own in worlds.items()
+        if len(own) > 1
+        for seed in own
+    ]
     alone = replace(workshop, spread=Here())
-    return workshop.spread.ordered(partial(experiment, alone), seeds)
+    side_by_side = iter(workshop.spread.ordered(partial(_in_world, alone), tasks))
+    for name, own in worlds.items():
+        for seed in own:
+            yield next(side_by_side) if len(own) > 1 else study.experiments[name](workshop, seed)
+
+
+def _in_world(workshop: Workshop, task: tuple[Experiment, int]) -> Outcome:
+    """One experiment in one world: the unit of work that is spread."""
+    experiment, seed = task
+    return experiment(workshop, seed)
 
 
 def _none(materials: Sequence[Any]) -> Sequence[Illustration]:
