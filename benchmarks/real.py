@@ -2,12 +2,14 @@
 
 ``python -m benchmarks.real [--keep] [--only NAME,...] [-o DIR]``; the runs stand in real.toml. Each
 is ingested, recognised and reported by the command line as a user would; the table between the
-markers of README.md is written anew from the reports.
+markers of README.md is written anew from the reports. A run whose files are not there is left out,
+and that is said.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import os
 import subprocess
@@ -18,6 +20,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from benchmarks import truth
+
 ROOT = Path(__file__).resolve().parents[1]
 RUNS = Path(__file__).with_suffix(".toml")
 BEGIN, END = "<!-- real: begin -->", "<!-- real: end -->"
@@ -27,11 +31,40 @@ HEAD = (
 )
 
 
+PLACES = "@%="
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Where the words of real.toml that name files point: ``data`` is FPNAV_DATA, ``made`` where
+    benchmarks.truth wrote."""
+
+    data: Path
+    made: Path
+
+    def path(self, word: str) -> Path:
+        """The file a word names; one that does not exist where its package is not installed."""
+        kind, name = word[0], word[1:]
+        if kind != "%":
+            return {"@": self.data, "=": self.made}[kind] / name
+        package, _, inner = name.partition("/")
+        found = importlib.util.find_spec(package)
+        folders = [] if found is None else found.submodule_search_locations or []
+        return Path(folders[0] if folders else f"no package {package}") / inner
+
+    def located(self, words: Sequence[str]) -> list[str]:
+        """Words, those that name files as paths."""
+        return [str(self.path(word)) if word[0] in PLACES else word for word in words]
+
+
 @dataclass(frozen=True, slots=True)
 class Run:
-    """One recording: ``ingest`` lists what to ingest, one or two logs (reference, query); words
-    that name files of FPNAV_DATA begin with ``@``. ``recognize`` : options of recognition;
-    ``systems`` : names with their options; ``truth`` : how the table names it."""
+    """One recording: ``ingest`` lists what to ingest, one or two logs (reference, query).
+
+    Words that name files begin with ``@`` (of FPNAV_DATA), ``%`` (of an installed package) or
+    ``=`` (made by benchmarks.truth). ``recognize`` : options of recognition; ``systems`` : names
+    with their options; ``truth`` : how the table names it.
+    """
 
     name: str
     title: str
@@ -41,9 +74,9 @@ class Run:
     systems: tuple[tuple[str, tuple[str, ...]], ...]
 
     def files(self) -> Iterator[str]:
-        """Names of the files and folders needed, below FPNAV_DATA."""
+        """The words that name files and folders."""
         words = [*self.recognize, *(word for log in self.ingest for word in log)]
-        return (word.removeprefix("@") for word in words if word.startswith("@"))
+        return (word for word in words if word.startswith(tuple(PLACES)))
 
 
 def runs() -> list[Run]:
@@ -68,32 +101,27 @@ def _systems(lines: Sequence[str]) -> tuple[tuple[str, tuple[str, ...]], ...]:
     return tuple((words[0], tuple(words[1:])) for words in (line.split() for line in lines))
 
 
-def missing(run: Run, data: Path) -> list[str]:
+def missing(run: Run, places: Places) -> list[str]:
     """Files of a run that are not there."""
-    return [name for name in run.files() if not (data / name).exists()]
+    return [word[1:] for word in run.files() if not places.path(word).exists()]
 
 
-def results(run: Run, data: Path, out: Path, *, keep: bool) -> list[Path]:
+def results(run: Run, places: Places, out: Path, *, keep: bool) -> list[Path]:
     """Result files of a run, one per system, in order."""
     folder = out / run.name
     folder.mkdir(parents=True, exist_ok=True)
     logs = [folder / f"log{number}.mcap" for number in range(len(run.ingest))]
     for log, words in zip(logs, run.ingest, strict=True):
         if not (keep and log.exists()):
-            fpnav("ingest", *located(words, data), "-o", str(log))
+            fpnav("ingest", *places.located(words), "-o", str(log))
     found = []
     for name, options in run.systems:
         result = folder / ("_".join([name, *options]).replace("-", "").replace("/", "") + ".h5")
         if not (keep and result.exists()):
-            words = (*located(run.recognize, data), *options)
+            words = (*places.located(run.recognize), *options)
             fpnav("recognize", *map(str, logs), "-s", name, *words, "-o", str(result))
         found.append(result)
     return found
-
-
-def located(words: Sequence[str], data: Path) -> list[str]:
-    """Words with ``@name`` as the path below FPNAV_DATA."""
-    return [str(data / word[1:]) if word.startswith("@") else word for word in words]
 
 
 def fpnav(*words: str) -> None:
@@ -152,14 +180,17 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path, default=ROOT / "build" / "real")
     given = parser.parse_args()
     data = Path(os.environ.get("FPNAV_DATA", ROOT.parent / "shared" / "data"))
+    places = Places(data, given.output / "truth")
     wanted = [run for run in runs() if not given.only or run.name in given.only.split(",")]
+    if any(word.startswith("=") for run in wanted for word in run.files()):
+        truth.main(["-o", str(places.made)])
     lines = [HEAD]
     for run in wanted:
-        absent = missing(run, data)
+        absent = missing(run, places)
         if absent:
-            print(f"{run.name}: left out, {data} holds no {', '.join(absent)}", flush=True)
+            print(f"{run.name}: left out, there is no {', '.join(absent)}", flush=True)
             continue
-        files = results(run, data, given.output, keep=given.keep)
+        files = results(run, places, given.output, keep=given.keep)
         lines += rows(run, metrics(files, given.output / run.name / "report"))
     print("\n".join(lines))
     if not given.only and len(lines) > 1:

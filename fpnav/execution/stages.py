@@ -214,6 +214,7 @@ def recognize_run(
         candidates[rows],
         depth=RANKS,
         verify_top=verify_top,
+        radius_m=radius_m,
         method=method,
         advance=advance,
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +19,9 @@ from fpnav.values import FloatArray
 
 SAMPLE = 200
 """Reference signatures looked at to learn what right and wrong scores look like."""
+
+ELSEWHERE = 2.0
+"""Radii of travelled path beyond which signatures of one run count as another place."""
 
 
 def past_candidates(
@@ -62,6 +67,7 @@ def recognize(
     *,
     depth: int,
     verify_top: int,
+    radius_m: float,
     method: Method = Method.MATCH,
     advance: Advance,
 ) -> Answers:
@@ -72,6 +78,7 @@ def recognize(
     candidates : (Q,)
     depth : ranks kept per query
     verify_top : best candidates handed to the system's geometric check, where it has one
+    radius_m : how near two signatures show the same place
     method : each query by itself (match), or the whole run forward and backward (smooth): by
         relative poses where the check gives them, else over reference frames
     """
@@ -91,7 +98,7 @@ def recognize(
     recall, stated = checked.recall, checked.stated
     silent = np.isnan(stated)
     if silent.any():
-        confidence = _confidence(system, memory, reference, verify=verify_top > 0)
+        confidence = _confidence(system, memory, reference, radius_m, verify=verify_top > 0)
         stated = np.where(silent, confidence.stated(recall.scores[:, 0]), stated)
     decided = (recall.places[:, 0] >= 0) & (stated >= 0.5)
     return Answers(
@@ -115,25 +122,27 @@ def _starts(queries: SignatureTable) -> NDArray[np.bool_]:
 
 
 def _confidence(
-    system: System, memory: Memory, reference: SignatureTable, *, verify: bool
+    system: System, memory: Memory, reference: SignatureTable, radius_m: float, *, verify: bool
 ) -> Confidence:
     """What right and wrong scores look like in the reference run, without any truth.
 
-    Right: the next signature of the run. Wrong: the tenth best of those not near it in the run (or
-    the last, where there are fewer), which revisits of the run itself cannot reach.
+    Right: the next signature of the run, half a radius on where it is denser than that. Wrong: the
+    tenth best of those elsewhere (or the last, where there are fewer), which revisits of the run
+    itself cannot reach.
     """
     if len(reference) < 4:
         return fit_confidence(np.array([]), np.array([]))
     every = max(1, len(reference) // SAMPLE)
+    apart = path_apart(reference.references)
     rows = np.arange(0, len(reference) - 1, every)
+    ahead = np.array([_ahead(apart, int(row), radius_m / 2.0) for row in rows])
     queries = [reference[int(row)] for row in rows]
 
     def following(start: int, stop: int) -> NDArray[np.bool_]:
-        return np.asarray(np.arange(len(reference))[None, :] == rows[start:stop, None] + 1)
+        return np.asarray(np.arange(len(reference))[None, :] == ahead[start:stop, None])
 
     def others(start: int, stop: int) -> NDArray[np.bool_]:
-        apart = np.abs(np.arange(len(reference))[None, :] - rows[start:stop, None])
-        return np.asarray(apart > min(10, len(reference) // 4))
+        return np.array([_elsewhere(apart, int(row), radius_m) for row in rows[start:stop]])
 
     right = recall_all(memory, queries, 1, following, lambda done: None)
     wrong = recall_all(memory, queries, 10, others, lambda done: None)
@@ -141,6 +150,34 @@ def _confidence(
     if verify:
         return fit_confidence(*(checked_scores(system, reference, queries, *one) for one in found))
     return fit_confidence(*(scores for _, scores in found))
+
+
+def path_apart(references: NDArray[np.void]) -> Callable[[int], FloatArray]:
+    """Metres of travel between a row and every row: infinite between sessions, and beyond the row
+    itself where none is known."""
+    travelled, session = references["travelled_m"], references["session"]
+
+    def apart(row: int) -> FloatArray:
+        metres = np.abs(travelled - travelled[row])
+        metres[row] = 0.0
+        known = np.isfinite(metres) & (session == session[row])
+        return np.asarray(np.where(known, metres, np.inf))
+
+    return apart
+
+
+def _ahead(apart: Callable[[int], FloatArray], row: int, metres: float) -> int:
+    """The first later row at least so far on, within twice that; else the next."""
+    later = apart(row)[row + 1 :]
+    far = np.flatnonzero((later >= metres) & (later <= 2.0 * metres))
+    return row + 1 + (int(far[0]) if len(far) else 0)
+
+
+def _elsewhere(apart: Callable[[int], FloatArray], row: int, radius_m: float) -> NDArray[np.bool_]:
+    """Rows that are another place: neither next to a row in the run nor a few radii of travel."""
+    found = apart(row)
+    rows_off = np.abs(np.arange(len(found)) - row)
+    return np.asarray((rows_off > min(10, len(found) // 4)) & (found > ELSEWHERE * radius_m))
 
 
 def _last(recall: Recall) -> tuple[NDArray[np.int64], FloatArray]:

@@ -32,7 +32,7 @@ def features_of_frame(frame: Frame, params: FingerprintParams) -> tuple[NDArray[
     arcs = np.zeros((2, 2))
     if params.use_laser and frame.scan is not None:
         fov = np.deg2rad(params.laser_fov_deg)
-        parts.append(_corners(laser.corners(frame.scan, fov, params.corner_epsilon_m)))
+        parts.append(corner_features(laser.corners(frame.scan, fov, params.corner_epsilon_m)))
         arcs[LASER] = laser.sensed_arc(frame.scan, fov)
     view = _view(frame) if params.use_camera else None
     if view is not None:
@@ -65,7 +65,8 @@ def _view(frame: Frame) -> panorama.View | None:
     return None
 
 
-def _corners(found: laser.Corners) -> NDArray[Any]:
+def corner_features(found: laser.Corners) -> NDArray[Any]:
+    """Rows of features, one a corner."""
     letters = np.full(len(found.bearings_rad), b"c")
     rows = features_of(letters, found.bearings_rad, found.certainty)
     rows["range_m"] = found.ranges_m

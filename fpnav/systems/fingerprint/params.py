@@ -22,7 +22,9 @@ class FingerprintParams(Params, frozen=True):
     ``angle_deg`` > 0 aligns a second time in recall, the turn known, a match losing the square of
     how many times this it is off. ``fuse_gate_deg`` > 0: a match off by more is not fused.
     ``ray_deg`` > 0 keeps the scan's rays that far apart: symbols have ranges, and the best
-    candidates of a recall are verified by laying scans over each other. ``camera`` symbols are the
+    candidates of a recall are verified by laying scans over each other. ``window_m`` > 0 makes of
+    each scan one all round, from those of so many metres before it, joined by odometry: places are
+    known again whatever the heading. ``camera`` symbols are the
     paper's ``letters``, or beside them, without a laser, ``strips`` of angle that carry attributes,
     standardised over the whole run, with keypoints. ``memory`` keeps the ``mean`` of a place, or
     (``chosen``) of a laser or a camera alone its members, of which the best counts.
@@ -57,6 +59,7 @@ class FingerprintParams(Params, frozen=True):
     exemplar_m: NotNegative = 0.0
     angle_deg: NotNegative = 0.0
     ray_deg: NotNegative = 0.0
+    window_m: NotNegative = 0.0
     camera: Literal["letters", "strips"] = "letters"
     memory: Literal["mean", "chosen"] = "mean"
     candidates: int = 200

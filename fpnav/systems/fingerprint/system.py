@@ -39,6 +39,7 @@ from fpnav.systems.fingerprint.params import LATE, PRESETS, FingerprintParams
 from fpnav.systems.fingerprint.record import LASER_ARC, RECORD, insertion, record_of
 from fpnav.systems.fingerprint.symbols import FEATURE, SYMBOL, symbols_of, text
 from fpnav.systems.fingerprint.verification import verified
+from fpnav.systems.fingerprint.windows import windowed
 from fpnav.values import FloatArray, Frame, Reference, Signature
 
 
@@ -106,6 +107,8 @@ class Fingerprint:
 
         Strips are standardised over the run, which must be seen whole before the first one.
         """
+        if self._params.window_m > 0.0 and self._params.ray_deg > 0.0:
+            stream = windowed(stream, self._params)
         if self._params.camera == "letters":
             yield from (self._signature(one, found, NO_STRIPS) for one, found in stream)
             return
