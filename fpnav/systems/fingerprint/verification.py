@@ -32,7 +32,7 @@ OFFSET_FREE, TURN_FREE = 0.8, 0.9
 """Shares of what counts as the same place up to which offset and turn say nothing against it."""
 
 DISTANCE_M = 0.03
-TIED = 10.0
+TIED = 20.0
 """Standard deviation of one point's distance to a line, and how many neighbouring points err
 alike: together the scale of the covariance."""
 
