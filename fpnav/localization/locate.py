@@ -7,7 +7,7 @@ in the ranking.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -23,6 +23,7 @@ from fpnav.localization.filter import (
     most_likely_path,
     smooth_belief,
 )
+from fpnav.localization.verify import Checked, places_by_check, verified
 from fpnav.systems.base import Memory, Recall, System, Trace
 from fpnav.topomap.graph import TopoMap
 from fpnav.values import FloatArray, Signature
@@ -30,6 +31,9 @@ from fpnav.values import FloatArray, Signature
 Advance = Callable[[int], None]
 BLOCK = 64
 LARGEST_BELIEF = 20_000_000
+
+CHECKED_PLACES, CHECKED_MEMBERS = 25, 200
+"""Best places whose members are candidates of the geometric check, and how many of those."""
 
 
 class Method(StrEnum):
@@ -103,7 +107,7 @@ def locate(
     confidence: Confidence,
     depth: int,
 ) -> Answers:
-    """Locate a run on a map.
+    """Locate a run on a map; matches are ordered by the system's geometric check, if it has one.
 
     Parameters
     ----------
@@ -122,11 +126,12 @@ def locate(
         limit = params.entropy_share * np.log(max(2, len(topomap)))
         decided = (stated >= params.confident) | (entropy(belief) <= limit)
     members = np.full(ranked.places.shape, -1, dtype=np.int64)
-    top = _best_members(system, topomap, mapped, queries, ranked.places[:, 0])
+    memory, owner = frame_memory(system, mapped), topomap.owner(len(mapped))
+    top = _best_members(memory, owner, queries, ranked.places[:, :1], 1)
     members[:, 0] = top.places[:, 0]
     headings = ranked.headings_rad.copy()
     headings[:, 0] = top.headings_rad[:, 0]
-    return Answers(
+    answers = Answers(
         places=ranked.places[:, :depth],
         members=members[:, :depth],
         scores=ranked.scores[:, :depth],
@@ -136,6 +141,54 @@ def locate(
         entropy=entropy(belief) if belief.shape[1] else np.full(len(queries), np.nan),
         belief=belief.astype(np.float32) if belief.size <= LARGEST_BELIEF else _none(len(queries)),
         **_no_pose(len(queries)),
+    )
+    if method is Method.MATCH and _has_check(system, mapped, queries, members[:, 0]):
+        near = recall.places[:, :CHECKED_PLACES]
+        rows = _best_members(memory, owner, queries, near, CHECKED_MEMBERS)
+        checked = verified(system, mapped, queries, rows, CHECKED_MEMBERS)
+        return _by_check(answers, recall, checked, owner, confidence)
+    return answers
+
+
+def _has_check(
+    system: System,
+    mapped: Sequence[Signature],
+    queries: Sequence[Signature],
+    members: NDArray[np.int64],
+) -> bool:
+    """Whether any query can be checked, asked with its best member."""
+    pairs = zip(queries, members.tolist(), strict=True)
+    return any(row >= 0 and system.verify(query, [mapped[row]]) is not None for query, row in pairs)
+
+
+def _by_check(
+    answers: Answers,
+    recall: Recall,
+    checked: Checked,
+    owner: NDArray[np.int64],
+    confidence: Confidence,
+) -> Answers:
+    """Answers by likeness in the order of the check, with the poses it gives.
+
+    Where the check states no probability it is that of the chosen place's likeness.
+    """
+    depth = answers.places.shape[1]
+    ranked, members = places_by_check(recall, checked, owner)
+    chosen = ranked.places[:, :1]
+    likeness = np.max(recall.scores, axis=1, initial=-np.inf, where=recall.places == chosen)
+    stated = np.where(np.isnan(checked.stated), confidence.stated(likeness), checked.stated)
+    done = checked.done[:, None]
+    headings = np.where(done, ranked.headings_rad[:, :depth], answers.headings_rad)
+    return replace(
+        answers,
+        places=ranked.places[:, :depth],
+        members=np.where(done, members[:, :depth], answers.members),
+        scores=ranked.scores[:, :depth],
+        headings_rad=headings,
+        decision=np.where(stated >= 0.5, chosen[:, 0], -1),
+        stated=stated,
+        relative=checked.relative,
+        covariance=checked.covariance,
     )
 
 
@@ -185,25 +238,24 @@ def _ranked_by(
 
 
 def _best_members(
-    system: System,
-    topomap: TopoMap,
-    mapped: Sequence[Signature],
+    memory: Memory,
+    owner: NDArray[np.int64],
     queries: Sequence[Signature],
     places: NDArray[np.int64],
+    k: int,
 ) -> Recall:
-    """The member signature of the given place each query is most like, (Q, 1); -1 without place.
+    """The k members of the given places (Q, n) each query is most like; -1 without place.
 
-    Its heading is relative to that member, not to the place's frame: a long place has one frame,
+    Headings are relative to the member, not to the place's frame: a long place has one frame,
     but what is seen turns along it.
     """
-    memory = frame_memory(system, mapped)
-    owner = topomap.owner(len(mapped))
 
     def allowed(start: int, stop: int) -> NDArray[np.bool_]:
-        asked = places[start:stop, None]
-        return np.asarray((owner[None, :] == asked) & (asked >= 0))
+        asked = places[start:stop]
+        known = [(owner >= 0) & np.isin(owner, row) for row in asked]
+        return np.array(known, dtype=np.bool_).reshape(len(asked), len(owner))
 
-    return recall_all(memory, queries, 1, allowed, lambda done: None)
+    return recall_all(memory, queries, k, allowed, lambda done: None)
 
 
 def frame_memory(system: System, signatures: Sequence[Signature]) -> Memory:

@@ -250,7 +250,7 @@ def answered(
         stated[row] = total
     return Checked(
         Recall(places, scores, headings), relative, covariance, stated,
-        checked.poses, checked.probability,
+        checked.poses, checked.probability, checked.done,
     )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ class Checked:
     """A ranking after the check. Of the best of each query: ``relative`` (Q, 3) and
     ``covariance`` (Q, 3, 3) where the check gave a pose, ``stated`` (Q,) where it stated a
     probability. Of every rank: ``poses`` (Q, k, 3) and ``probability`` (Q, k) as well; NaN
-    elsewhere."""
+    elsewhere. ``done`` (Q,): whether the query was checked at all."""
 
     recall: Recall
     relative: FloatArray
@@ -25,6 +25,7 @@ class Checked:
     stated: FloatArray
     poses: FloatArray
     probability: FloatArray
+    done: NDArray[np.bool_]
 
 
 def verified(
@@ -58,7 +59,37 @@ def unchecked(recall: Recall) -> Checked:
         np.full(count, np.nan),
         np.full((*recall.places.shape, 3), np.nan),
         np.full(recall.places.shape, np.nan),
+        np.zeros(count, dtype=np.bool_),
     )
+
+
+def places_by_check(
+    recall: Recall, checked: Checked, owner: NDArray[np.int64]
+) -> tuple[Recall, NDArray[np.int64]]:
+    """Places in the order of their best checked members, and those members (Q, k), -1 elsewhere.
+
+    Parameters
+    ----------
+    recall : every place ranked by likeness, (Q, k); kept where a query was not checked
+    checked : rows of the map's signatures after the check, of places in ``recall`` only
+    owner : place of each of the map's signatures, (R,)
+
+    Places of which no member was checked follow in their order, and score no better than those.
+    """
+    out = Recall(recall.places.copy(), recall.scores.copy(), recall.headings_rad.copy())
+    members = np.full(recall.places.shape, -1, dtype=np.int64)
+    for row in np.flatnonzero(checked.done).tolist():
+        rows = checked.recall.places[row][checked.recall.places[row] >= 0]
+        ranks = np.sort(np.unique(owner[rows], return_index=True)[1])
+        best, scores = rows[ranks], checked.recall.scores[row, ranks]
+        rest = ~np.isin(recall.places[row], owner[best])
+        least = np.minimum(recall.scores[row, rest], scores.min())
+        headings = checked.recall.headings_rad[row, ranks]
+        out.places[row] = np.append(owner[best], recall.places[row, rest])
+        out.scores[row] = np.append(scores, least)
+        out.headings_rad[row] = np.append(headings, recall.headings_rad[row, rest])
+        members[row, : len(best)] = best
+    return out, members
 
 
 def checked_scores(
@@ -79,6 +110,7 @@ def checked_scores(
 
 def _reorder(out: Checked, row: int, ranked: NDArray[np.int64], checked: Verification) -> None:
     """One ranking in the order of the check, with what it says of the best."""
+    out.done[row] = True
     order = np.lexsort((ranked, -checked.scores))
     places, scores, headings = (
         column[row] for column in (out.recall.places, out.recall.scores, out.recall.headings_rad)

@@ -236,3 +236,75 @@ def test_recall_in_blocks_carries_the_trace_and_masks_the_right_rows() -> None:
     assert found.places.tolist() == [[i, -1] for i in range(150)]
     assert seen == [(64, None), (64, 1), (22, 2)]
     assert sum(done) == 150
+
+
+DETAILS = [10.0, 11.0, 12.0, 20.0, 21.0, 22.0, 30.0, 31.0, 32.0]
+
+
+def detailed(detail: float, look: Any = None) -> Signature:
+    return signature_of(Reference(0, 0), one_hot(0) if look is None else look, detail=detail)
+
+
+def checked_answer(
+    detail: float, method: Method = Method.MATCH, *, verifies: bool = True, look: Any = None
+) -> Answers:
+    """Three places; by likeness a query looks like the first, ``detail`` says where it is."""
+    rows = [detailed(value, mixed(0, 1, 0.1 * (k // 3))) for k, value in enumerate(DETAILS)]
+    memory = ToyMemory()
+    for k, row in enumerate(rows):
+        memory.learn(5 * (k // 3), row)
+    places = [Place(5 * n, (3 * n, 3 * n + 1, 3 * n + 2), 1.0) for n in range(3)]
+    topomap, queries = TopoMap.of(places, []), [detailed(detail, look)]
+    recall = recall_all(memory, queries, 3, None, lambda done: None)
+    return locate(
+        Toy(ToyParams(verifies=verifies)), topomap, rows, queries, recall,
+        method=method, params=FilterParams(), confidence=SURE, depth=10,
+    )  # fmt: skip
+
+
+def test_a_check_puts_the_place_of_the_best_checked_member_first_with_its_pose() -> None:
+    found = checked_answer(31.25)
+    assert found.places.tolist() == [[10, 5, 0]]
+    assert found.members.tolist() == [[7, 5, 2]]
+    assert found.scores.tolist() == [[99.75, 90.75, 80.75]]
+    assert found.relative.tolist() == [[0.25, 0.0, 0.0]]
+    assert found.headings_rad[0, 0] == 0.0
+    assert found.covariance[0].tolist() == np.eye(3).tolist()
+
+
+def test_without_a_probability_of_the_check_that_of_the_chosen_place_is_stated() -> None:
+    assert checked_answer(31.25).stated == pytest.approx(SURE.stated(np.array([0.8])))
+    assert checked_answer(31.25).decision.tolist() == [10]
+    nowhere = checked_answer(31.25, look=mixed(0, 7, 0.5))
+    assert (nowhere.places[0, 0], nowhere.decision[0]) == (10, -1)
+
+
+def test_a_place_without_checked_members_follows_those_that_have(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(module, "CHECKED_PLACES", 2)
+    found = checked_answer(31.25)
+    assert found.places.tolist() == [[5, 0, 10]]
+    assert found.members.tolist() == [[5, 2, -1]]
+    assert (np.diff(found.scores[0]) <= 0).all()
+
+
+def test_only_the_members_most_alike_are_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "CHECKED_MEMBERS", 3)
+    found = checked_answer(31.25)
+    assert found.places.tolist() == [[0, 5, 10]]
+    assert found.members.tolist() == [[2, -1, -1]]
+
+
+def test_without_a_check_the_ranking_by_likeness_stays() -> None:
+    found = checked_answer(31.25, verifies=False)
+    assert found.places.tolist() == [[0, 5, 10]]
+    assert found.scores[0] == pytest.approx([1.0, 0.9, 0.8])
+    assert np.isnan(found.relative).all()
+
+
+@pytest.mark.parametrize("method", [Method.FILTER, Method.SMOOTH])
+def test_belief_is_not_overruled_by_a_check(method: Method) -> None:
+    plain, found = (checked_answer(31.25, method, verifies=on) for on in (False, True))
+    assert found.places.tolist() == plain.places.tolist()
+    assert np.isnan(found.relative).all()

@@ -69,7 +69,8 @@ def checked(
     poses[..., 0] = off
     recall = Recall(rows, np.log(shares / (1.0 - shares)), np.zeros(rows.shape))
     best = poses[:, 0]
-    return Checked(recall, best, np.zeros((len(rows), 3, 3)), shares[:, 0], poses, shares)
+    done = np.ones(len(rows), dtype=np.bool_)
+    return Checked(recall, best, np.zeros((len(rows), 3, 3)), shares[:, 0], poses, shares, done)
 
 
 REFERENCE = drive(0, [0] * 12) + [replace(one, reference=replace(
