@@ -215,6 +215,7 @@ def recognize_run(
         depth=RANKS,
         verify_top=verify_top,
         radius_m=radius_m,
+        rows=rows if query is None else None,
         method=method,
         advance=advance,
     )

@@ -156,9 +156,13 @@ def _has_check(
     queries: Sequence[Signature],
     members: NDArray[np.int64],
 ) -> bool:
-    """Whether any query can be checked, asked with its best member."""
+    """Whether any query, asked with its best member, can be checked by all it was ranked by.
+
+    A check that overlooks a sensor says less than the ranking: it does not reorder places.
+    """
     pairs = zip(queries, members.tolist(), strict=True)
-    return any(row >= 0 and system.verify(query, [mapped[row]]) is not None for query, row in pairs)
+    found = (system.verify(query, [mapped[row]]) for query, row in pairs if row >= 0)
+    return any(one is not None and one.whole for one in found)
 
 
 def _by_check(

@@ -68,6 +68,7 @@ def recognize(
     depth: int,
     verify_top: int,
     radius_m: float,
+    rows: NDArray[np.int64] | None = None,
     method: Method = Method.MATCH,
     advance: Advance,
 ) -> Answers:
@@ -79,19 +80,20 @@ def recognize(
     depth : ranks kept per query
     verify_top : best candidates handed to the system's geometric check, where it has one
     radius_m : how near two signatures show the same place
+    rows : (Q,) which reference row each query is, where a run is matched with its own past
     method : each query by itself (match), or the whole run forward and backward (smooth): by
         relative poses where the check gives them, else over reference frames
     """
     memory = frame_memory(system, reference)
-    rows = np.arange(len(reference))
+    every = np.arange(len(reference))
 
     def allowed(start: int, stop: int) -> NDArray[np.bool_]:
-        return np.asarray(rows[None, :] < candidates[start:stop, None])
+        return np.asarray(every[None, :] < candidates[start:stop, None])
 
     recall = recall_all(memory, queries, max(depth, verify_top), allowed, advance)
     checked = verified(system, reference, queries, recall, verify_top)
     if method is Method.SMOOTH and np.isfinite(checked.poses).any():
-        checked = smoothed(system, reference, queries, candidates, checked)
+        checked = smoothed(system, reference, queries, candidates, checked, rows)
     elif method is Method.SMOOTH:
         whole = recall_all(memory, queries, len(reference), allowed, lambda done: None)
         checked = unchecked(smoothed_frames(whole, _starts(queries), len(reference)))
@@ -135,14 +137,14 @@ def _confidence(
     every = max(1, len(reference) // SAMPLE)
     apart = path_apart(reference.references)
     rows = np.arange(0, len(reference) - 1, every)
-    ahead = np.array([_ahead(apart, int(row), radius_m / 2.0) for row in rows])
+    next_rows = np.array([ahead(apart, int(row), radius_m / 2.0) for row in rows])
     queries = [reference[int(row)] for row in rows]
 
     def following(start: int, stop: int) -> NDArray[np.bool_]:
-        return np.asarray(np.arange(len(reference))[None, :] == ahead[start:stop, None])
+        return np.asarray(np.arange(len(reference))[None, :] == next_rows[start:stop, None])
 
     def others(start: int, stop: int) -> NDArray[np.bool_]:
-        return np.array([_elsewhere(apart, int(row), radius_m) for row in rows[start:stop]])
+        return np.array([elsewhere(apart, int(row), radius_m) for row in rows[start:stop]])
 
     right = recall_all(memory, queries, 1, following, lambda done: None)
     wrong = recall_all(memory, queries, 10, others, lambda done: None)
@@ -166,14 +168,14 @@ def path_apart(references: NDArray[np.void]) -> Callable[[int], FloatArray]:
     return apart
 
 
-def _ahead(apart: Callable[[int], FloatArray], row: int, metres: float) -> int:
+def ahead(apart: Callable[[int], FloatArray], row: int, metres: float) -> int:
     """The first later row at least so far on, within twice that; else the next."""
     later = apart(row)[row + 1 :]
     far = np.flatnonzero((later >= metres) & (later <= 2.0 * metres))
     return row + 1 + (int(far[0]) if len(far) else 0)
 
 
-def _elsewhere(apart: Callable[[int], FloatArray], row: int, radius_m: float) -> NDArray[np.bool_]:
+def elsewhere(apart: Callable[[int], FloatArray], row: int, radius_m: float) -> NDArray[np.bool_]:
     """Rows that are another place: neither next to a row in the run nor a few radii of travel."""
     found = apart(row)
     rows_off = np.abs(np.arange(len(found)) - row)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fpnav.geometry import TAU
 from fpnav.values import FloatArray, LaserScan, Pose2
@@ -58,6 +59,6 @@ def carried(points: Sequence[FloatArray], poses: Sequence[Pose2], here: Pose2) -
     return np.concatenate(found)
 
 
-def _beams(bearings_rad: FloatArray) -> FloatArray:
+def _beams(bearings_rad: NDArray[np.floating]) -> NDArray[np.int64]:
     """Beam of each bearing."""
     return np.asarray(np.round((bearings_rad + np.pi) / (TAU / BEAMS)).astype(np.int64) % BEAMS)

@@ -94,12 +94,14 @@ class Verification:
 
     ``scores`` : (n,) float64, replaces the recall scores for ranking; ``relative`` : n poses of
     the query as seen from each candidate, None where the check gives none; ``stated`` : (n,)
-    probability that each is the same place, None where the system leaves that to its scores.
+    probability that each is the same place, None where the system leaves that to its scores;
+    ``whole`` : whether the check looked at every sensor that the ranking went by.
     """
 
     scores: FloatArray
     relative: tuple[RelativePose | None, ...]
     stated: FloatArray | None = None
+    whole: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -36,6 +36,7 @@ class ToyParams(Params, frozen=True):
     nodes: int = 0
     min_observations: int = 1
     verifies: bool = False
+    whole: bool = True
 
 
 class ToyMemory:
@@ -177,7 +178,7 @@ class Toy:
         poses = tuple(
             RelativePose(Pose2(gap, 0.0, 0.0), tuple(np.eye(3).ravel().tolist())) for gap in apart
         )
-        return Verification(100.0 - np.abs(np.array(apart)), poses)
+        return Verification(100.0 - np.abs(np.array(apart)), poses, whole=self._params.whole)
 
     def picture(self, signature: Signature) -> Picture:
         bins = heights(signature)

@@ -246,7 +246,12 @@ def detailed(detail: float, look: Any = None) -> Signature:
 
 
 def checked_answer(
-    detail: float, method: Method = Method.MATCH, *, verifies: bool = True, look: Any = None
+    detail: float,
+    method: Method = Method.MATCH,
+    *,
+    verifies: bool = True,
+    whole: bool = True,
+    look: Any = None,
 ) -> Answers:
     """Three places; by likeness a query looks like the first, ``detail`` says where it is."""
     rows = [detailed(value, mixed(0, 1, 0.1 * (k // 3))) for k, value in enumerate(DETAILS)]
@@ -257,7 +262,7 @@ def checked_answer(
     topomap, queries = TopoMap.of(places, []), [detailed(detail, look)]
     recall = recall_all(memory, queries, 3, None, lambda done: None)
     return locate(
-        Toy(ToyParams(verifies=verifies)), topomap, rows, queries, recall,
+        Toy(ToyParams(verifies=verifies, whole=whole)), topomap, rows, queries, recall,
         method=method, params=FilterParams(), confidence=SURE, depth=10,
     )  # fmt: skip
 
@@ -301,6 +306,12 @@ def test_without_a_check_the_ranking_by_likeness_stays() -> None:
     assert found.places.tolist() == [[0, 5, 10]]
     assert found.scores[0] == pytest.approx([1.0, 0.9, 0.8])
     assert np.isnan(found.relative).all()
+
+
+def test_a_check_that_overlooks_a_sensor_does_not_reorder_places() -> None:
+    plain, found = checked_answer(31.25, verifies=False), checked_answer(31.25, whole=False)
+    assert found.places.tolist() == plain.places.tolist()
+    assert found.scores.tolist() == plain.scores.tolist()
 
 
 @pytest.mark.parametrize("method", [Method.FILTER, Method.SMOOTH])

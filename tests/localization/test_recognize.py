@@ -22,7 +22,13 @@ from hypothesis import strategies as st
 
 from fpnav.errors import LogError
 from fpnav.localization.locate import Answers
-from fpnav.localization.recognize import past_candidates, recognize
+from fpnav.localization.recognize import (
+    ahead,
+    elsewhere,
+    past_candidates,
+    path_apart,
+    recognize,
+)
 from fpnav.store.signatures import collect
 from fpnav.store.tables import REFERENCE, Ragged, SignatureTable
 from fpnav.values import Reference, Signature
@@ -65,6 +71,7 @@ def match(
         np.array(candidates),
         depth=depth,
         verify_top=verify_top,
+        radius_m=1.5,
         advance=lambda done: None,
     )
 
@@ -260,3 +267,23 @@ def seconds(count: int) -> float:
 @pytest.mark.slow
 def test_ten_times_the_references_cost_about_ten_times_as_much() -> None:
     assert seconds(50_000) < 30 * seconds(5_000) + 2.0
+
+
+def test_what_lies_a_few_radii_of_path_away_is_elsewhere_and_what_is_nearer_is_not() -> None:
+    apart = path_apart(references([0.02 * k for k in range(300)]))
+    found = elsewhere(apart, 100, 1.0)
+    assert not found[:201].any()  # 2 m either way, though a hundred rows
+    assert found[201:].all()
+    assert ahead(apart, 100, 0.5) == 125
+
+
+def test_rows_without_a_path_go_by_their_order_and_sessions_are_apart() -> None:
+    unknown = path_apart(references([np.nan] * 40))
+    assert np.flatnonzero(~elsewhere(unknown, 20, 1.5)).tolist() == list(range(10, 31))
+    assert ahead(unknown, 20, 0.75) == 21
+    two = path_apart(references([0.0, 1.0, 0.0, 1.0], session=[0, 0, 1, 1]))
+    assert np.isinf(two(0)).tolist() == [False, False, True, True]
+
+
+def test_where_the_run_is_sparse_the_next_row_is_ahead() -> None:
+    assert ahead(path_apart(references([0.0, 5.0, 10.0])), 0, 0.75) == 1

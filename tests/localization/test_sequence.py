@@ -13,10 +13,12 @@ from fpnav.errors import UsageError
 from fpnav.localization.sequence import (
     agreement,
     chained,
+    chosen,
     composed,
     difference,
     guesses_of,
     inverted,
+    judged,
     motions,
     smoothed,
 )
@@ -32,7 +34,7 @@ def at(spot_m: float, look: int, index: int, odometry: bool = True) -> Signature
     record = np.zeros(1, RECORD)
     record["at_m"], record["look"] = spot_m, look
     pose = Pose2(spot_m, 0.0, 0.0) if odometry else None
-    return Signature(Reference(index, index, odometry=pose), record[0], {})
+    return Signature(Reference(index, index, travelled_m=spot_m, odometry=pose), record[0], {})
 
 
 class Corridors:
@@ -85,7 +87,7 @@ def test_neighbours_that_agree_overrule_one_that_does_not() -> None:
     places[4], stated[4] = [16, 4], [0.7, 0.6]  # the other corridor looks a little better once
     found = smoothed(Corridors(), REFERENCE, queries, np.full(8, 24), checked(places, stated, 0.0))
     assert found.recall.places[:, 0].tolist() == list(range(8))
-    assert found.stated[4] > 0.6
+    assert found.stated[4] == pytest.approx(0.6)  # what its own overlay says
     assert (np.diff(found.recall.scores, axis=1) <= 0.0).all()
 
 
@@ -96,8 +98,37 @@ def test_answers_the_sequence_does_not_change_stay_as_they_were() -> None:
     before = checked(places, stated, 0.0)
     found = smoothed(Corridors(), REFERENCE, queries, np.full(5, 0), before)
     assert found.recall.places.tolist() == before.recall.places.tolist()
-    assert found.recall.scores.tobytes() == before.recall.scores.tobytes()
-    assert found.stated.tolist() == before.stated.tolist()
+    assert found.recall.scores == pytest.approx(before.recall.scores)
+    assert found.stated == pytest.approx(before.stated)
+
+
+def test_an_answer_stands_unless_the_sequence_all_but_excludes_it() -> None:
+    chain = chained(motions(Corridors(), REFERENCE))
+    one = guesses_of(checked([[16, 4]], [[0.7, 0.6]], 0.0), 0)
+    likely, sure = np.array([0.1, 0.8]), np.array([0.001, 0.9])
+    assert chosen(one, likely, 16, 0.7, chain) == 0
+    assert chosen(one, sure, 16, 0.7, chain) == 1
+    assert chosen(one, likely, 16, 0.4, chain) == 1  # it was no answer by itself
+
+
+def test_a_match_further_off_than_any_drift_is_refuted_within_one_run() -> None:
+    run = drive(0, [0] * 12)
+    before = checked([[0], [4]], [[0.95], [0.95]], 0.0)
+    queries, allowed = [run[10], run[11]], np.array([5, 5])
+    apart = smoothed(Corridors(), run, queries, allowed, before)
+    assert apart.stated == pytest.approx([0.95, 0.95])  # of two runs nothing is known
+    found = smoothed(Corridors(), run, queries, allowed, before, np.array([10, 11]))
+    assert (found.stated < 0.6).all()
+    assert (found.recall.scores[:, 0] < apart.recall.scores[:, 0]).all()
+
+
+def test_a_match_within_the_drift_is_not_refuted() -> None:
+    chain = chained(motions(Corridors(), REFERENCE))
+    one = guesses_of(checked([[0, 1]], [[0.9, 0.9]], [[2.0, 5.0]]), 0)
+    found = judged(one, 3, chain, np.arange(24.0))
+    assert found.refuted is not None
+    assert found.refuted.tolist() == [False, True]  # 1 m and 3 m off after 3 m and 2 m
+    assert found.worth[1] < found.worth[0] - 5.0
 
 
 def test_a_query_that_found_nothing_is_looked_for_where_its_neighbours_point() -> None:

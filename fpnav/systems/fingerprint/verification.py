@@ -19,7 +19,8 @@ from fpnav.systems.base import Verification
 from fpnav.systems.fingerprint import evidence
 from fpnav.systems.fingerprint.laser import mount_of, sweep_of
 from fpnav.systems.fingerprint.params import FingerprintParams
-from fpnav.values import FloatArray, Pose2, RelativePose, Signature
+from fpnav.systems.fingerprint.record import CAMERA_ARC, arcs_of
+from fpnav.values import FloatArray, Pose2, Reference, RelativePose, Signature
 
 CHECKED, PEAKS = 16, 3
 """How many candidates are refined, and from how many peaks of the search each."""
@@ -27,6 +28,9 @@ CHECKED, PEAKS = 16, 3
 TURN_STEP_RAD, TURN_MOST_RAD = np.deg2rad(10.0), np.deg2rad(60.0)
 LEAST_HITS = 12
 UNUSABLE = -3.0
+
+APART_M, APART_ROWS = 5.0, 10
+"""Metres of path, or frames where no path is known, between candidates at different places."""
 
 OFFSET_FREE, TURN_FREE = 0.8, 0.9
 """Shares of what counts as the same place up to which offset and turn say nothing against it."""
@@ -42,19 +46,64 @@ def verified(
 ) -> Verification | None:
     """Log-odds of being the same place, and relative poses; None where the query has no scan.
 
-    Candidates beyond the parameter block's number are not looked at.
+    Candidates beyond the parameter block's number are not looked at. Where there are enough of
+    them to show how alike other places look, all log-odds are moved by that.
     """
     if len(query.parts["rays"]) == 0 or len(candidates) == 0:
         return None
-    order, overlays = _checked(query, candidates[: params.candidates])
+    looked = candidates[: params.candidates]
+    rough, overlays = _checked(query, looked)
     found = evidence.logits(features(list(overlays.values()), params))
+    if len(looked) >= evidence.ENOUGH and len(found):
+        found = evidence.among(found, surroundings(looked, rough, list(overlays), found))
     logits = dict(zip(overlays, found.tolist(), strict=True))
     relative = tuple(
         _relative(overlays[k], mount_of(query), mount_of(candidate)) if k in overlays else None
         for k, candidate in enumerate(candidates)
     )
+    order = np.argsort(-rough, kind="stable").astype(np.int64)
     rest = np.arange(len(order), len(candidates))
-    return _answer(logits, np.concatenate([order, rest]), relative)
+    whole = float(arcs_of(query)[CAMERA_ARC, 1]) == 0.0
+    return _answer(logits, np.concatenate([order, rest]), relative, whole=whole)
+
+
+def surroundings(
+    candidates: Sequence[Signature], rough: FloatArray, checked: Sequence[int], logits: FloatArray
+) -> FloatArray:
+    """What the candidates at other places say, (evidence.AROUND,).
+
+    How many other places pass, and how well the eighth best of all places fits, unrefined: where
+    many fit, as in a building of like corridors, the best is worth less.
+    """
+    order = np.argsort(-logits, kind="stable")
+    places = distinct([candidates[checked[k]].reference for k in order])
+    passing = logits[order[places[1:]]] > evidence.PASSES
+    best = np.argsort(-rough, kind="stable")
+    best = best[rough[best] > UNUSABLE]
+    others = distinct([candidates[k].reference for k in best.tolist()], evidence.RANK + 1)
+    full = len(others) > evidence.RANK
+    fit = float(rough[best[others[evidence.RANK]]]) if full else evidence.NO_FIT
+    return np.array([np.log1p(passing.sum()), fit])
+
+
+def distinct(references: Sequence[Reference], most: int = CHECKED) -> NDArray[np.int64]:
+    """The first of each place among references, by travelled path, else by frames; at most so
+    many."""
+    kept: list[int] = []
+    for k, here in enumerate(references):
+        if len(kept) == most:
+            break
+        if all(_apart(here, references[other]) for other in kept):
+            kept.append(k)
+    return np.array(kept, np.int64)
+
+
+def _apart(first: Reference, second: Reference) -> bool:
+    """Whether two signatures of the reference run stand at different stretches of its path."""
+    if first.session != second.session:
+        return True
+    metres = abs(first.travelled_m - second.travelled_m)
+    return metres > APART_M if np.isfinite(metres) else abs(first.index - second.index) > APART_ROWS
 
 
 def overlays_of(
@@ -68,14 +117,14 @@ def overlays_of(
 
 def _checked(
     query: Signature, candidates: Sequence[Signature]
-) -> tuple[NDArray[np.int64], dict[int, Overlay]]:
-    """All candidates in the order of their rough overlays, and the best few overlays refined."""
+) -> tuple[FloatArray, dict[int, Overlay]]:
+    """Balance of every candidate's rough overlay, and the best few overlays refined."""
     mine = sweep_of(query.parts["rays"])
     others = [sweep_of(one.parts["rays"]) for one in candidates]
     rough = np.array([_rough(mine, one) for one in others])
-    order = np.argsort(-rough, kind="stable").astype(np.int64)
+    order = np.argsort(-rough, kind="stable")
     chosen = [k for k in np.sort(order[:CHECKED]).tolist() if rough[k] > UNUSABLE]
-    return order, {k: overlaid(mine, others[k], _search(mine, others[k], PEAKS)) for k in chosen}
+    return rough, {k: overlaid(mine, others[k], _search(mine, others[k], PEAKS)) for k in chosen}
 
 
 def _rough(mine: Sweep, other: Sweep) -> float:
@@ -139,10 +188,12 @@ def _answer(
     logits: Mapping[int, float],
     order: NDArray[np.int64],
     relative: tuple[RelativePose | None, ...],
+    *,
+    whole: bool,
 ) -> Verification:
     """Scores of the checked by log-odds; the others below the least of them, in search order."""
     least = min([*logits.values(), evidence.LEAST])
     scores = np.empty(len(order))
     scores[order] = least - 1.0 - np.arange(len(order)) / len(order)
     scores[list(logits)] = list(logits.values())
-    return Verification(scores, relative, stated=1.0 / (1.0 + np.exp(-scores)))
+    return Verification(scores, relative, stated=1.0 / (1.0 + np.exp(-scores)), whole=whole)

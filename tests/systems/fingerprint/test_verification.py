@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,9 +12,9 @@ from helpers import small_world
 
 from fpnav.geometry import compose, relative
 from fpnav.systems.base import Verification
-from fpnav.systems.fingerprint import Fingerprint
+from fpnav.systems.fingerprint import Fingerprint, evidence
 from fpnav.systems.fingerprint.params import PRESETS
-from fpnav.systems.fingerprint.verification import verified
+from fpnav.systems.fingerprint.verification import distinct, verified
 from fpnav.values import ORIGIN, Decoded, Frame, LaserScan, Pose2, Reference, Signature
 
 DEFAULT = Fingerprint(PRESETS["default"])
@@ -112,3 +113,37 @@ def test_the_paper_preset_checks_nothing_and_keeps_no_rays() -> None:
     signature = next(iter(paper.assemble([(frame.reference, paper.describe(frame))])))
     assert len(signature.parts["rays"]) == len(signature.parts["attributes"]) == 0
     assert paper.verify(signature, [signature]) is None
+
+
+def test_where_many_places_fit_the_best_is_worth_less() -> None:
+    own = np.array([3.0, 1.0])
+    alone, crowded = (evidence.among(own, np.array(row)) for row in ([0.0, -2.0], [1.6, 0.8]))
+    assert crowded[0] < alone[0] - 2.0
+    assert crowded[0] - crowded[1] == pytest.approx(2.0)  # the order is that of the overlays
+
+
+def test_candidates_at_one_stretch_of_path_are_one_place() -> None:
+    along = [Reference(k, k, travelled_m=m) for k, m in enumerate([0.0, 1.0, 9.0, 8.0, 20.0])]
+    assert distinct(along).tolist() == [0, 2, 4]
+    assert distinct(along, 2).tolist() == [0, 2]
+    frames = [Reference(k, k, travelled_m=math.nan) for k in (0, 4, 30)]
+    assert distinct(frames).tolist() == [0, 2]
+    later = [replace(along[0], session=1), along[0]]
+    assert distinct(later).tolist() == [0, 1]
+
+
+def test_like_corridors_all_over_the_run_lower_what_is_stated() -> None:
+    query = signature_of(scan_at(HERE))
+    same = signature_of(scan_at(NEAR))
+    spread = [replace(same, reference=Reference(k, k, travelled_m=9.0 * k)) for k in range(12)]
+    close = [replace(same, reference=Reference(k, k, travelled_m=0.1 * k)) for k in range(12)]
+    many, one = (checked(query, group).scores.max() for group in (spread, close))
+    assert many < one - 3.0
+
+
+def test_the_check_is_whole_only_where_no_camera_saw_anything() -> None:
+    query = signature_of(scan_at(HERE))
+    assert checked(query, [query]).whole
+    record = query.record.copy()
+    record["camera_width_rad"] = 6.28
+    assert not checked(replace(query, record=record), [query]).whole
