@@ -24,6 +24,7 @@ from benchmarks import truth
 
 ROOT = Path(__file__).resolve().parents[1]
 RUNS = Path(__file__).with_suffix(".toml")
+FOLDER = ROOT / "build" / "real"
 BEGIN, END = "<!-- real: begin -->", "<!-- real: end -->"
 HEAD = (
     "| recording | system | recall at 1 | average precision | recall at precision 1.00 (dc) |\n"
@@ -41,6 +42,12 @@ class Places:
 
     data: Path
     made: Path
+
+    @staticmethod
+    def usual(output: Path) -> Places:
+        """FPNAV_DATA as the environment has it, what is made below the folder of results."""
+        data = Path(os.environ.get("FPNAV_DATA", ROOT.parent / "shared" / "data"))
+        return Places(data, output / "truth")
 
     def path(self, word: str) -> Path:
         """The file a word names; one that does not exist where its package is not installed."""
@@ -177,10 +184,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--keep", action="store_true", help="reuse results that are there")
     parser.add_argument("--only", default="", help="names of runs, by commas; no table is written")
-    parser.add_argument("-o", "--output", type=Path, default=ROOT / "build" / "real")
+    parser.add_argument("-o", "--output", type=Path, default=FOLDER)
     given = parser.parse_args()
-    data = Path(os.environ.get("FPNAV_DATA", ROOT.parent / "shared" / "data"))
-    places = Places(data, given.output / "truth")
+    places = Places.usual(given.output)
     wanted = [run for run in runs() if not given.only or run.name in given.only.split(",")]
     if any(word.startswith("=") for run in wanted for word in run.files()):
         truth.main(["-o", str(places.made)])

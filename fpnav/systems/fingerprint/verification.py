@@ -8,6 +8,7 @@ candidate is the same place.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,13 +107,27 @@ def _apart(first: Reference, second: Reference) -> bool:
     return metres > APART_M if np.isfinite(metres) else abs(first.index - second.index) > APART_ROWS
 
 
-def overlays_of(
+@dataclass(frozen=True, slots=True, eq=False)
+class LookedAt:
+    """What the logistics see of a query's candidates: ``rows`` (n,) of those that were checked,
+    their ``table`` (n, evidence.NAMES), and what is ``around`` (evidence.AROUND_NAMES,)."""
+
+    rows: NDArray[np.int64]
+    table: FloatArray
+    around: FloatArray
+
+
+def looked_at(
     query: Signature, candidates: Sequence[Signature], params: FingerprintParams
-) -> tuple[NDArray[np.int64], FloatArray]:
-    """Candidates that were checked and what the logistic looks at, (n,), (n, evidence.NAMES)."""
-    _, overlays = _checked(query, candidates[: params.candidates])
-    rows = np.array(list(overlays), np.int64)
-    return rows, features(list(overlays.values()), params)
+) -> LookedAt | None:
+    """What ``verified`` would weigh; None where the query has no scan."""
+    if len(query.parts["rays"]) == 0 or len(candidates) == 0:
+        return None
+    looked = candidates[: params.candidates]
+    rough, overlays = _checked(query, looked)
+    table = features(list(overlays.values()), params)
+    around = surroundings(looked, rough, list(overlays), evidence.logits(table))
+    return LookedAt(np.array(list(overlays), np.int64), table, around)
 
 
 def _checked(
