@@ -200,10 +200,9 @@ def recognize_run(
     check_same_signatures(
         reference.header, asked.header, ("the reference", "the query"), system.LATE
     )
+    candidates = np.full(len(asked.table), len(reference.table))
     if query is None:
         candidates = past_candidates(asked.table.references, exclude_path_m, exclude_frames)
-    else:
-        candidates = np.full(len(asked.table), len(reference.table))
     every = np.arange(0, len(asked.table), query_every)
     rows = every[candidates[every] > 0]
     table, truth = with_truth(take(asked.table, rows), reference.table, truth_file)
