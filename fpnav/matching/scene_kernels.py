@@ -7,10 +7,9 @@ import numba
 import numpy as np
 
 FACING, DIRECTION, COLUMN, CELLS, CLASS = range(5)
-X, TOP, BOTTOM, DISTANCE, WEIGHT = range(5)
+X, TOP, BOTTOM, DISTANCE, STRENGTH, WEIGHT = range(6)
 FAR, UNKNOWN = 3, 4
-ALIKE = 0.3
-FACINGS = 8
+FACINGS, CELL_COUNT = 8, 25
 MIDDLE_PX = 240.0
 LOG_DISTANCE = 0.7
 """Two distances a factor of two apart count for nothing."""
@@ -19,25 +18,16 @@ _jit = numba.njit(cache=True, nogil=True)
 
 
 @_jit
-def bits(mask):
-    """Number of bits set."""
-    count = 0
-    while mask:
-        mask &= mask - 1
-        count += 1
-    return count
-
-
-@_jit
-def compatible(a, b, first_m, second_m):
-    """Whether two distances, of classes a and b, may be of one thing (scene.compatible)."""
+def compatible(a, b, first_m, second_m, share):
+    """Whether two distances, of classes a and b, may be of one thing: within a share of the larger;
+    the unknown may be far or unknown."""
     if a == UNKNOWN or b == UNKNOWN:
         return min(a, b) >= FAR
-    return a == b or (abs(a - b) == 1 and abs(first_m - second_m) <= ALIKE * max(first_m, second_m))
+    return abs(first_m - second_m) <= share * max(first_m, second_m)
 
 
 @_jit
-def by_features(whole, real, t0, t1, stored_whole, stored_real, s0, s1, looked):
+def by_features(whole, real, t0, t1, stored_whole, stored_real, s0, s1, looked, share):
     """Share of the stored cues that a cue of their own matches: the nearest not yet used."""
     used = np.zeros(t1 - t0, np.bool_)
     total, matched = 0, 0
@@ -56,7 +46,7 @@ def by_features(whole, real, t0, t1, stored_whole, stored_real, s0, s1, looked):
             away = abs(real[t, X] - stored_real[s, X])
             if away < nearest and compatible(
                 whole[t, CLASS], stored_whole[s, CLASS],
-                np.float32(real[t, DISTANCE]), np.float32(stored_real[s, DISTANCE]),
+                np.float32(real[t, DISTANCE]), np.float32(stored_real[s, DISTANCE]), share,
             ):  # fmt: skip
                 best, nearest = t, away
         if best >= 0:
@@ -66,49 +56,64 @@ def by_features(whole, real, t0, t1, stored_whole, stored_real, s0, s1, looked):
 
 
 @_jit
-def by_cells(whole, real, t0, t1, stored_whole, stored_real, s0, s1, looked, method):
+def holders(whole, real, r0, r1, out):
+    """The strongest cue of every cell, by facing and cell, out (FACINGS, CELL_COUNT); -1 none."""
+    out[:] = -1
+    for r in range(r0, r1):
+        for cell in range(CELL_COUNT):
+            if not whole[r, CELLS] >> cell & 1:
+                continue
+            held = out[whole[r, FACING], cell]
+            if held < 0 or real[r, STRENGTH] > real[held, STRENGTH]:
+                out[whole[r, FACING], cell] = r
+
+
+@_jit
+def by_cells(whole, real, shown, stored_whole, stored_real, kept, looked, method, share):
     """Share of the occupied stored cells whose like holds a cue that fits."""
-    occupied, matched = np.zeros(FACINGS, np.int64), np.zeros(FACINGS, np.int64)
-    for s in range(s0, s1):
-        facing = stored_whole[s, FACING]
+    total, matched = 0, 0
+    for facing in range(FACINGS):
         if not looked >> facing & 1:
             continue
-        occupied[facing] |= stored_whole[s, CELLS]
-        for t in range(t0, t1):
-            shared = stored_whole[s, CELLS] & whole[t, CELLS]
-            if shared == 0 or whole[t, FACING] != facing:
+        for cell in range(CELL_COUNT):
+            s, t = kept[facing, cell], shown[facing, cell]
+            if s < 0:
+                continue
+            total += 1
+            if t < 0:
                 continue
             if method < 4 and whole[t, DIRECTION] != stored_whole[s, DIRECTION]:
                 continue
             if method == 2 and not compatible(
                 whole[t, CLASS], stored_whole[s, CLASS],
-                np.float32(real[t, DISTANCE]), np.float32(stored_real[s, DISTANCE]),
+                np.float32(real[t, DISTANCE]), np.float32(stored_real[s, DISTANCE]), share,
             ):  # fmt: skip
                 continue
-            matched[facing] |= shared
-    total, count = 0, 0
-    for facing in range(FACINGS):
-        total += bits(occupied[facing])
-        count += bits(matched[facing])
-    return count / total if total else 0.0
+            matched += 1
+    return matched / total if total else 0.0
 
 
 @_jit
-def hard(present, stored, method, out):
+def hard(present, stored, method, share, out):
     """Scores (Q, N) by one of the paper's algorithms."""
     whole, real, offsets, facings = present
     stored_whole, stored_real, stored_offsets, _ = stored
+    kept = np.zeros((out.shape[1], FACINGS, CELL_COUNT), np.int64)
+    for n in range(out.shape[1]):
+        holders(stored_whole, stored_real, stored_offsets[n], stored_offsets[n + 1], kept[n])
+    shown = np.zeros((FACINGS, CELL_COUNT), np.int64)
     for q in range(out.shape[0]):
         t0, t1, looked = offsets[q], offsets[q + 1], facings[q]
+        holders(whole, real, t0, t1, shown)
         for n in range(out.shape[1]):
             s0, s1 = stored_offsets[n], stored_offsets[n + 1]
             if method == 1:
                 out[q, n] = by_features(
-                    whole, real, t0, t1, stored_whole, stored_real, s0, s1, looked
+                    whole, real, t0, t1, stored_whole, stored_real, s0, s1, looked, share
                 )
             else:
                 out[q, n] = by_cells(
-                    whole, real, t0, t1, stored_whole, stored_real, s0, s1, looked, method
+                    whole, real, shown, stored_whole, stored_real, kept[n], looked, method, share
                 )
 
 

@@ -28,7 +28,8 @@ class Scenes:
     """Batch of N scenes as flat columns; scene n owns rows ``offsets[n]`` to ``offsets[n + 1]``.
 
     ``whole`` (R, 5) int64 : facing, direction, column, cells, distance class
-    ``real`` (R, 5) float64 : x, top, bottom (pixels), distance (metres, NaN unknown), weight
+    ``real`` (R, 6) float64 : x, top, bottom (pixels), distance (metres, NaN unknown), strength,
+        weight
     ``facings`` (N,) int64 : bit f is set where the scene looked in direction f
     """
 
@@ -72,20 +73,24 @@ def scenes_of(
     flat: NDArray[Any] = np.concatenate(cues) if cues else np.zeros(0, CUE)
     weight = np.concatenate(weights) if weights else np.ones(len(flat))
     whole = np.zeros((len(flat), 5), np.int64)
-    real = np.zeros((len(flat), 5))
+    real = np.zeros((len(flat), 6))
     if len(flat):
         columns = flat["facing"], flat["direction"], columns_of(flat), cells_of(flat)
         whole[:] = np.column_stack([*columns, distance_class(flat["distance_m"])])
-        names = ("x_px", "top_px", "bottom_px", "distance_m")
+        names = ("x_px", "top_px", "bottom_px", "distance_m", "strength")
         real[:] = np.column_stack([*(flat[name] for name in names), weight])
     offsets = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
     return Scenes(whole, real, offsets, np.array(facings, np.int64).reshape(len(lengths)))
 
 
-def match_scores(present: Scenes, stored: Scenes, method: int) -> FloatArray:
+def match_scores(
+    present: Scenes, stored: Scenes, method: int, distance_share: float = 0.25
+) -> FloatArray:
     """Score of every present scene with every stored one by one of the paper's four algorithms.
 
     A stored cue or cell counts only where the present scene looked; a scene without any scores 0.
+    A cell is of one cue, the strongest edge in it ("connected to a representation of a visual
+    cue"); distances fit within ``distance_share`` of the larger.
 
     Returns
     -------
@@ -93,7 +98,7 @@ def match_scores(present: Scenes, stored: Scenes, method: int) -> FloatArray:
     """
     out = np.zeros((len(present), len(stored)))
     one, other = _columns(present), _columns(stored)
-    kernels.hard(one, other, method, out)
+    kernels.hard(one, other, method, distance_share, out)
     return out
 
 

@@ -22,8 +22,6 @@ COVERED_PX = CELL_PX // 2
 FACINGS = 8
 CLASSES_M = 2.0, 4.0, 8.0
 FAR, UNKNOWN = 3, 4
-ALIKE = 0.3
-"""Distances of neighbouring classes are compatible within this share of the larger."""
 
 
 def columns_of(cues: NDArray[np.void]) -> NDArray[np.int64]:
@@ -54,17 +52,18 @@ def distance_class(distance_m: NDArray[np.float32]) -> NDArray[np.int64]:
     return np.where(np.isnan(distance_m), UNKNOWN, known).astype(np.int64)
 
 
-def compatible(first_m: NDArray[np.float32], second_m: NDArray[np.float32]) -> NDArray[np.bool_]:
+def compatible(
+    first_m: NDArray[np.float32], second_m: NDArray[np.float32], share: float
+) -> NDArray[np.bool_]:
     """Whether distances may be of one thing, broadcasting.
 
-    The same class, or neighbouring classes within 30 percent; the unknown may be far or unknown.
+    Within a share of the larger; the unknown may be far or unknown.
     """
     a, b = distance_class(first_m), distance_class(second_m)
     unknown = (a == UNKNOWN) | (b == UNKNOWN)
     with np.errstate(invalid="ignore"):
-        near = np.abs(first_m - second_m) <= ALIKE * np.maximum(first_m, second_m)
-    known = (a == b) | ((np.abs(a - b) == 1) & near)
-    return np.asarray(np.where(unknown, np.minimum(a, b) >= FAR, known), dtype=np.bool_)
+        near = np.abs(first_m - second_m) <= share * np.maximum(first_m, second_m)
+    return np.asarray(np.where(unknown, np.minimum(a, b) >= FAR, near), dtype=np.bool_)
 
 
 def facing_of(bearing_rad: float) -> int:

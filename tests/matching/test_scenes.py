@@ -19,11 +19,16 @@ Row = tuple[float, ...]
 
 
 def cue(
-    column: float, row: float = 2, direction: int = 1, metres: float = 3.0, facing: int = 0
+    column: float,
+    row: float = 2,
+    direction: int = 1,
+    metres: float = 3.0,
+    facing: int = 0,
+    strength: float = 1.0,
 ) -> Row:
     """A cue that fills one cell of the grid."""
     top = 96 * row
-    return (facing, direction, 96 * column + 48, top, top + 95, 1.0, metres)
+    return (facing, direction, 96 * column + 48, top, top + 95, strength, metres)
 
 
 def scene(*rows: Row) -> NDArray[np.void]:
@@ -83,9 +88,12 @@ def test_the_nearest_feature_is_taken_first() -> None:
     assert score([left, right], [left, right], 1) == 1.0
 
 
-def test_any_cue_of_a_cell_will_do() -> None:
-    stored = [cue(2, direction=1), cue(2, direction=-1, metres=9.0)]
-    assert score([cue(2, direction=-1, metres=20.0)], stored, 2) == 1.0
+def test_a_cell_is_of_its_strongest_cue() -> None:
+    weak, strong = cue(2, direction=1), cue(2, direction=-1, metres=9.0, strength=2.0)
+    for present in ([cue(2, direction=-1, metres=10.0)], [weak, strong], [strong, weak]):
+        assert score(present, [weak, strong], 2) == 1.0
+    assert score([weak], [weak, strong], 2) == 0.0
+    assert score([weak], [weak, strong], 1) == 0.5
 
 
 def test_a_tall_cue_fills_several_cells() -> None:
@@ -111,24 +119,23 @@ def test_a_tie_is_no_match() -> None:
 def slow_cells(present: NDArray[np.void], stored: NDArray[np.void]) -> float:
     """The second algorithm, cell by cell as the paper words it."""
 
-    def table(cues: NDArray[np.void]) -> dict[tuple[int, int], list[np.void]]:
-        cells: dict[tuple[int, int], list[np.void]] = {}
+    def table(cues: NDArray[np.void]) -> dict[tuple[int, int], np.void]:
+        cells: dict[tuple[int, int], np.void] = {}
         for one in cues:
             column = int(one["x_px"] // 96)
             for row in range(5):
                 covered = min(one["bottom_px"] + 1, 96 * row + 96) - max(one["top_px"], 96 * row)
-                if covered >= 48:
-                    cells.setdefault((row, column), []).append(one)
+                held = cells.get((row, column))
+                if covered >= 48 and (held is None or one["strength"] > held["strength"]):
+                    cells[row, column] = one
         return cells
 
     shown, kept = table(present), table(stored)
     matched = sum(
-        any(
-            a["direction"] == b["direction"] and bool(compatible(a["distance_m"], b["distance_m"]))
-            for a in cues
-            for b in shown.get(cell, [])
-        )
-        for cell, cues in kept.items()
+        cell in shown
+        and one["direction"] == shown[cell]["direction"]
+        and bool(compatible(one["distance_m"], shown[cell]["distance_m"], 0.25))
+        for cell, one in kept.items()
     )
     return matched / len(kept) if kept else 0.0
 
@@ -140,7 +147,7 @@ rows = st.lists(
         st.integers(0, 479),
         st.integers(0, 300),
         st.integers(96, 179),
-        st.just(1.0),
+        st.sampled_from([0.5, 1.0, 2.0]),
         st.sampled_from([0.7, 1.9, 2.2, 3.5, 5.0, 7.9, 12.0, math.nan]),
     ).map(lambda r: (*r[:4], r[3] + r[4], *r[5:])),
     max_size=8,

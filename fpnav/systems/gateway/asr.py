@@ -46,7 +46,7 @@ def visited(asr: Asr, cues: NDArray[np.void], facings: int, params: GatewayParam
     """The scene after one more visit that looked in the given directions."""
     looked = facings >> np.arange(FACINGS) & 1
     links = asr.links.copy()
-    old, new = _same(links, cues)
+    old, new = _same(links, cues, params.distance_share)
     present = np.zeros(len(links), bool)
     present[old] = True
     links["weight"] = np.where(
@@ -64,7 +64,7 @@ def visited(asr: Asr, cues: NDArray[np.void], facings: int, params: GatewayParam
 def united(keep: Asr, drop: Asr, params: GatewayParams) -> Asr:
     """The scene of two that turn out to be of one place: cues of both are seen by both."""
     links, other = keep.links.copy(), drop.links.copy()
-    old, new = _same(links, other)
+    old, new = _same(links, other, params.distance_share)
     for mine, theirs, asr in ((links, old, drop), (other, new, keep)):
         alone = np.ones(len(mine), bool)
         alone[theirs] = False
@@ -94,7 +94,9 @@ def stable(asr: Asr, params: GatewayParams) -> tuple[NDArray[np.void], FloatArra
     return asr.links[kept][list(CUE.names or ())].astype(CUE), weights[kept]
 
 
-def _same(links: NDArray[np.void], cues: NDArray[np.void]) -> tuple[Sequence[int], Sequence[int]]:
+def _same(
+    links: NDArray[np.void], cues: NDArray[np.void], share: float
+) -> tuple[Sequence[int], Sequence[int]]:
     """Pairs of a link and the cue it is seen again in, the nearest across first."""
     apart = np.abs(links["x_px"][:, None].astype(np.float64) - cues["x_px"][None, :])
     ratio = lengths(links)[:, None] / lengths(cues)[None, :]
@@ -103,7 +105,7 @@ def _same(links: NDArray[np.void], cues: NDArray[np.void]) -> tuple[Sequence[int
         & (links["direction"][:, None] == cues["direction"][None, :])
         & (np.abs(columns_of(links)[:, None] - columns_of(cues)[None, :]) <= 1)
         & (apart <= CELL_PX - 2)
-        & compatible(links["distance_m"][:, None], cues["distance_m"][None, :])
+        & compatible(links["distance_m"][:, None], cues["distance_m"][None, :], share)
         & (ratio >= LENGTH_RATIO[0])
         & (ratio <= LENGTH_RATIO[1])
     )

@@ -94,7 +94,7 @@ def _compare(present: Scenes, stored: Scenes, params: GatewayParams) -> FloatArr
             beta=params.soft_beta,
         )
         return soft_scores(present, stored, soft)
-    return match_scores(present, stored, params.matcher)
+    return match_scores(present, stored, params.matcher, params.distance_share)
 
 
 def _cell_evidence(signatures: Sequence[Signature], places: Sequence[PlaceModel]) -> FloatArray:

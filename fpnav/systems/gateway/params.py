@@ -24,7 +24,8 @@ class GatewayParams(Params, frozen=True):
     ``look`` only where a side is open, or always; ``keep`` scenes at gateways or every
     ``spacing_m`` of travel, which also holds where there are no ranges.
     Stored scenes: ``strengthen``, ``weaken``, ``stable``, ``forget`` of the links, ``weights``
-    those of the paper or the share of visits that saw a cue.
+    those of the paper or the share of visits that saw a cue; distances within ``distance_share`` of
+    the larger are alike.
     Matching: ``matcher`` of the paper (1..4) or soft (``soft_*``).
     Places: ``floor`` of a scene without a match; ``smooth`` added to the sonar table;
     ``likelihoods`` from the tables or learned in the mapping run, with ``confusion`` counts of the
@@ -80,6 +81,7 @@ class GatewayParams(Params, frozen=True):
     forget: float = 0.05
     weights: Literal["paper", "count"] = "paper"
     matcher: Matcher = 2
+    distance_share: float = 0.25
     soft_width_px: float = 48.0
     soft_shift_px: float = 47.0
     soft_off: float = 0.15
@@ -97,7 +99,7 @@ class GatewayParams(Params, frozen=True):
 
 LATE = frozenset(
     {
-        "strengthen", "weaken", "stable", "forget", "weights", "matcher",
+        "strengthen", "weaken", "stable", "forget", "weights", "matcher", "distance_share",
         "soft_width_px", "soft_shift_px", "soft_off", "soft_beta", "floor", "smooth",
         "likelihoods", "confusion", "prior", "stray", "vision_power", "sonar_power", "same_m",
     }
