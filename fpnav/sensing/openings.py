@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -22,6 +23,9 @@ STEP_M = 1.0
 LEVEL_M = 0.1
 """Readings this level over so much travel, at most ``STEP_M`` beyond the wall, are the wall
 stepping back: nobody passes through it."""
+
+JAMB = 0.7
+"""Share of the limit that a jamb takes a reading to pass, on average."""
 
 HISTORY = 64
 """Readings a change can lie back."""
@@ -53,21 +57,34 @@ class Threshold:
     def __init__(self, open_rise_m: float, close_rise_m: float, readings: int) -> None:
         self._rise_m = {False: open_rise_m, True: close_rise_m}
         self._readings = readings
-        self._count = 0
+        self._told: deque[bool] = deque(maxlen=HISTORY)
 
     def rise_m(self, opened: bool) -> float:
-        """The limit that holds."""
-        return self._rise_m[opened]
+        """Most of the limit that holds: beyond the wall's end the beam meets its jamb, so slantwise
+        that no echo comes at times."""
+        return JAMB * self._rise_m[opened]
 
     def update(self, range_m: float, wall_m: float, spread_m: float, opened: bool) -> int:
         """Count readings beyond the limit (closed) or within it (open)."""
-        beyond = range_m > wall_m + self._rise_m[opened]
-        self._count = self._count + 1 if beyond != opened else 0
-        return self._count if self._count >= self._readings else 0
+        self._told.append((range_m > wall_m + self._rise_m[opened]) != opened)
+        told = list(self._told)[::-1]
+        return _since(told) if all(told[: self._readings]) and len(told) >= self._readings else 0
 
     def reset(self) -> None:
         """No reading counted."""
-        self._count = 0
+        self._told.clear()
+
+
+def _since(told: Sequence[bool]) -> int:
+    """How many readings ago, latest first, the change began; a single one that does not tell it
+    between two that do is a bad echo."""
+    back = 0
+    for row, tells in enumerate(told):
+        if tells:
+            back = row + 1
+        elif row > back:
+            break
+    return back
 
 
 class Evidence:

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from helpers.gateways import cue, gateway
 
+from fpnav.evaluation.gateways import Gateways
 from fpnav.execution.spread import Here
 from fpnav.experiments.kortenkamp.learned import Learned
 from fpnav.experiments.kortenkamp.recognition import PARAMS, normalisation, recognition
+from fpnav.experiments.kortenkamp.tours import edged
 from fpnav.experiments.workshop import Workshop
 from fpnav.systems.gateway.memory import GatewayMemory
 from fpnav.values import Signature
@@ -74,3 +76,9 @@ def test_a_misread_gateway_changes_the_sonar_row_alone() -> None:
 def test_the_papers_example_of_normalisation(tmp_path: Path) -> None:
     (gap,) = normalisation(Workshop(tmp_path, Here()), 1).metrics
     assert gap.value < 0.0055
+
+
+def test_rooms_count_from_the_edge_of_their_wall_and_openings_as_planned() -> None:
+    plan = np.array([[1.0, 2.0, np.pi / 2], [3.0, 2.0, 0.0]])
+    found = edged(Gateways(plan, ("RIGHT ROOM", "CROSS"), ("E", "G")))
+    np.testing.assert_allclose(found.poses, [[1.0, 2.06, np.pi / 2], [3.0, 2.0, 0.0]])

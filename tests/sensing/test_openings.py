@@ -92,9 +92,9 @@ def test_a_side_that_is_lost_needs_a_wall_again() -> None:
 def test_hidden_ends_grow_with_the_distance_of_the_wall() -> None:
     one = side(threshold())
     edges(one, [1.0] * 10)
-    assert one.hidden_m(0.2) == pytest.approx(0.2 * 1.5)
+    assert one.hidden_m(0.2) == pytest.approx(0.2 * 1.35)
     edges(one, [3.0] * 3)
-    assert one.hidden_m(0.2) == pytest.approx(0.2 * 1.25)
+    assert one.hidden_m(0.2) == pytest.approx(0.2 * 1.175)
 
 
 def test_evidence_of_a_reading_is_the_log_ratio_of_its_densities() -> None:
@@ -146,5 +146,11 @@ def test_a_cone_that_begins_nearer_to_the_wall_hides_less_of_an_opening() -> Non
     side = Side(Wall(LEFT, 1.5, 1.5, 2.5), Threshold(0.5, 0.25, 2), 0.5)
     for step in range(20):
         side.update(0.1 * step, 0.0, 1.0)
-    assert side.hidden_m(0.25) == pytest.approx(0.375)
-    assert side.hidden_m(0.25, 0.2) == pytest.approx(0.325)
+    assert side.hidden_m(0.25) == pytest.approx(0.3375)
+    assert side.hidden_m(0.25, 0.2) == pytest.approx(0.2875)
+
+
+def test_an_opening_begins_before_a_single_bad_echo_that_followed_its_first_reading() -> None:
+    test = threshold()
+    told = [test.update(reading, 1.0, 0.01, False) for reading in (1.0, 3.0, 1.1, 3.0, 3.0)]
+    assert told == [0, 0, 0, 0, 4]

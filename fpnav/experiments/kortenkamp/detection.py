@@ -16,6 +16,8 @@ from fpnav.evaluation.gateways import (
     gateway_type_accuracy,
     gateway_within_3_5deg,
     gateway_within_70mm,
+    gateways_met,
+    surveyed,
 )
 from fpnav.experiments.kortenkamp.tours import TEST, Traversal, choice, traversals
 from fpnav.experiments.study import Outcome
@@ -34,9 +36,15 @@ def detection(shop: Workshop, seed: int) -> Outcome:
         *figures_of(surveys),
         *renamed(figures_of([d.survey for d in drives if d.number == TEST]), "test"),
         *renamed(figures_of([drive.survey for drive in other]), "evidence"),
+        *renamed([gateway_within_70mm([_by_plan(drive) for drive in drives])], "plan"),
     ]
     facts = {"preset": "paper", "traversals": len(drives)}
     return Outcome(metrics, _pictures(drives), facts, surveys)
+
+
+def _by_plan(drive: Traversal) -> Survey:
+    """The same against the plan's own marks, rooms counted from the middle line of their wall."""
+    return surveyed(drive.survey.found, gateways_met(drive.run.header["worlds"][0], drive.route))
 
 
 def figures_of(surveys: Sequence[Survey]) -> list[Metric]:

@@ -10,7 +10,7 @@ from fpnav.errors import TruthError
 from fpnav.evaluation.gateways import Gateways, Survey, gateways_met, surveyed
 from fpnav.experiments.kortenkamp.detection import figures_of, renamed
 from fpnav.experiments.kortenkamp.recognition import ROUTE
-from fpnav.experiments.kortenkamp.tours import TEST, world_of_job
+from fpnav.experiments.kortenkamp.tours import TEST, edged, world_of_job
 from fpnav.experiments.study import Outcome
 from fpnav.experiments.workshop import Workshop, job_of
 from fpnav.navigation.walls import Stop, WallFollowing, WallParams
@@ -30,7 +30,7 @@ def stops(shop: Workshop, seed: int) -> Outcome:
     job = job_of("gateways", ROUTE, seed, TEST, sensors=["sonar"])
     made, bumped = _drive(job)
     world = world_of_job(job)
-    survey = surveyed(_found(made), gateways_met(world, ROUTE))
+    survey = surveyed(_found(made), edged(gateways_met(world, ROUTE)))
     metrics = [
         *renamed(figures_of([survey]), "stopped"),
         Metric("bumped", float(bumped), bumped, DECISIONS),

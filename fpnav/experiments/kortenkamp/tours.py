@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import msgspec
@@ -15,6 +15,7 @@ from fpnav.execution.walk import Run, SystemChoice
 from fpnav.experiments.workshop import Workshop, job_of
 from fpnav.geometry import compose
 from fpnav.params import Tables
+from fpnav.sim.plan import THICKNESS_M
 from fpnav.sim.record import Job, world_of
 from fpnav.sim.truth import world_facts
 from fpnav.systems.gateway.types import NAMES
@@ -27,9 +28,12 @@ TRAINING, TEST = (1, 2, 3, 4, 5), 6
 FEW = 2
 """Guided traversals of a small reproduction."""
 
-NEAR: Tables = {"capture": {"images_near_m": 0.25, "images_every": 2}}
+NEAR: Tables = {"capture": {"images_near_m": 0.15, "images_every": 2}}
 """Pictures are rendered only near gateways, every ten centimetres: the robot looks where it
 stops."""
+
+
+OPEN_ENDED = ("LEFT ROOM", "RIGHT ROOM", "BOTH ROOM")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +82,18 @@ def traversals(
 
 def survey_of(run: Run, route: str) -> Survey:
     """The gateways a run found, against those its route meets."""
-    return surveyed(found_in(run), gateways_met(run.header["worlds"][0], route))
+    return surveyed(found_in(run), edged(gateways_met(run.header["worlds"][0], route)))
+
+
+def edged(met: Gateways) -> Gateways:
+    """Gateways that never close counted from the edge of their wall, which sonar meets, instead of
+    from its middle line, which the world's plan is drawn by."""
+    poses = met.poses.copy()
+    open_ended = np.array([kind in OPEN_ENDED for kind in met.types], dtype=bool)
+    heading = poses[open_ended, 2]
+    ahead = np.column_stack([np.cos(heading), np.sin(heading)])
+    poses[open_ended, :2] += 0.5 * THICKNESS_M * ahead
+    return replace(met, poses=poses)
 
 
 def found_in(run: Run) -> Gateways:
