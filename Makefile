@@ -25,7 +25,8 @@ demo: $(READY) ## Walk a sample log through every stage; ends with the path of t
 	$(BIN)/fpnav build-map $(DEMO)/map_run.h5 -o $(DEMO)/map.h5
 	$(BIN)/fpnav localize $(DEMO)/map.h5 $(DEMO)/test_run.mcap --method match -o $(DEMO)/match.h5
 	$(BIN)/fpnav localize $(DEMO)/map.h5 $(DEMO)/test_run.mcap --method filter -o $(DEMO)/filter.h5
-	$(BIN)/fpnav report $(DEMO)/match.h5 $(DEMO)/filter.h5 -o $(DEMO)/report
+	$(BIN)/fpnav report $(DEMO)/match.h5 $(DEMO)/filter.h5 -o $(DEMO)/report \
+		--log $(DEMO)/map_run.mcap --log $(DEMO)/test_run.mcap
 
 .PHONY: test
 test: $(READY) ## Run the tests (under 5 minutes)

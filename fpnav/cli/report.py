@@ -45,6 +45,10 @@ def _gates(
     "--threshold-from", "other", type=options.FILE, metavar="OTHER.h5",
     help="Result of another run by the same system: precision and recall at its thresholds too.",
 )  # fmt: skip
+@click.option(
+    "--log", "logs", type=options.FILE, multiple=True, metavar="LOG",
+    help="Log behind the results, repeated for several: show what right and wrong matches saw.",
+)  # fmt: skip
 @options.as_json
 @options.quiet
 @options.no_clobber
@@ -54,6 +58,7 @@ def command(
     output: Path,
     gates: list[tuple[str, float]],
     other: Path | None,
+    logs: tuple[Path, ...],
     **given: Any,
 ) -> None:
     """Write DIR/index.html, report.json, CSV and figures from saved results, side by side.
@@ -74,7 +79,7 @@ def command(
     results = [(file.stem, read_result(file)) for file in files]
     chosen_on = (other.stem, read_result(other)) if other else None
     with progress("report", len(results)) as advance:
-        entries = write_report(results, output, advance, chosen_on)
+        entries = write_report(results, output, advance, chosen_on, logs)
     names = [entry.name for entry in entries]
     if not session.as_json:
         click.echo(page)

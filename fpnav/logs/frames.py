@@ -196,7 +196,13 @@ class Log:
     def sample(self, count: int) -> Iterator[Frame]:
         """At most ``count`` frames spread evenly over the log; nothing is counted."""
         main = self._main()
-        kept = np.unique(np.linspace(0, len(main) - 1, min(count, len(main))).astype(np.int64))
+        rows = np.unique(np.linspace(0, len(main) - 1, min(count, len(main))).astype(np.int64))
+        yield from self.at(main.ordinals[rows].tolist())
+
+    def at(self, ordinals: Sequence[int]) -> Iterator[Frame]:
+        """The frames whose references have these indices, in order; nothing is counted."""
+        main = self._main()
+        kept = np.flatnonzero(np.isin(main.ordinals, np.asarray(ordinals, dtype=np.int64)))
         joining = self._joining(main, kept, copy.deepcopy(self._base))
         yield from self._delivered(joining, self.references(), kept)
 

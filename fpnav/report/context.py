@@ -7,6 +7,7 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from fpnav import __version__
@@ -15,6 +16,7 @@ from fpnav.report import words
 from fpnav.report.document import plain
 from fpnav.report.entry import Entry
 from fpnav.report.lists import right_and_wrong
+from fpnav.report.looks import Look, Looks
 from fpnav.values import Metric
 
 _LARGEST_SVG = 350_000
@@ -42,13 +44,19 @@ class Picture:
 
 
 def page_context(
-    entries: Sequence[Entry], pictures: Mapping[str, Sequence[Picture]], compared: Sequence[Picture]
+    entries: Sequence[Entry],
+    pictures: Mapping[str, Sequence[Picture]],
+    compared: Sequence[Picture],
+    looks: Looks = MappingProxyType({}),
 ) -> dict[str, Any]:
-    """Values of the page; ``pictures`` by the slug of their entry."""
+    """Values of the page; ``pictures`` and ``looks`` by the slug of their entry."""
     return {
         "version": __version__,
         "title": _title(entries),
-        "entries": [_section(entry, pictures.get(entry.slug, ())) for entry in entries],
+        "entries": [
+            _section(entry, pictures.get(entry.slug, ()), looks.get(entry.slug, {}))
+            for entry in entries
+        ],
         "compared": compared,
         "table": _table(entries),
         "definitions": _definitions(entries),
@@ -59,7 +67,9 @@ def _title(entries: Sequence[Entry]) -> str:
     return entries[0].name if len(entries) == 1 else f"{len(entries)} results side by side"
 
 
-def _section(entry: Entry, pictures: Sequence[Picture]) -> dict[str, Any]:
+def _section(
+    entry: Entry, pictures: Sequence[Picture], looks: Mapping[int, Look]
+) -> dict[str, Any]:
     return {
         "name": entry.name,
         "slug": entry.slug,
@@ -75,7 +85,8 @@ def _section(entry: Entry, pictures: Sequence[Picture]) -> dict[str, Any]:
         "metrics": [_figure(metric) for metric in entry.metrics.values()],
         "absent": _absent(entry),
         "pictures": pictures,
-        "matches": right_and_wrong(entry),
+        "looks": bool(looks),
+        "matches": right_and_wrong(entry, looks),
         "protocol": _facts(entry.protocol),
         "chain": [_link(header) for header in _chain(entry)],
         "ledger": _ledger(entry.header),

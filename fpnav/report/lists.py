@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from fpnav.evaluation.evaluate import OUTCOMES, Evaluation
+from fpnav.report.chosen import chosen
 from fpnav.report.entry import Entry
+from fpnav.report.looks import Look
 from fpnav.store.tables import Result
 
-_EACH = 8
 
-
-def right_and_wrong(entry: Entry) -> list[dict[str, Any]]:
-    """The most confident wrong decisions, then right ones spread over the run."""
+def right_and_wrong(
+    entry: Entry, looks: Mapping[int, Look] = MappingProxyType({})
+) -> list[dict[str, Any]]:
+    """The chosen queries, one row each; ``looks`` by query row, of those there are."""
     if entry.evaluation is None:
         return []
-    table = entry.evaluation.table
-    wrong = np.flatnonzero(table["outcome"] == 1)
-    sure = np.nan_to_num(table["score"][wrong], nan=-np.inf)
-    wrong = wrong[np.argsort(-sure, kind="stable")][:_EACH]
-    right = np.flatnonzero(table["outcome"] == 0)
-    if len(right):
-        right = right[np.unique(np.linspace(0, len(right) - 1, _EACH).astype(int))]
-    return [_row(entry.evaluation, int(query)) for query in [*wrong, *right]]
+    return [{**_row(entry.evaluation, q), "look": looks.get(q)} for q in chosen(entry.evaluation)]
 
 
 def _row(evaluation: Evaluation, query: int) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 from fpnav.errors import FpnavError
 from fpnav.evaluation.sheets import query_sheet
@@ -13,6 +14,7 @@ from fpnav.report.document import as_json, document
 from fpnav.report.entry import Entry, entries_of
 from fpnav.report.figures.style import Drawing, as_png, as_svg, styled
 from fpnav.report.figures.table import COMPARISONS, PLOTS
+from fpnav.report.looks import Looks, looks_of
 from fpnav.report.page import render
 from fpnav.report.sheets import metrics_sheet
 from fpnav.store.tables import Result
@@ -27,12 +29,15 @@ def write_report(
     folder: Path,
     advance: Advance = lambda done: None,
     chosen_on: tuple[str, Result] | None = None,
+    logs: Sequence[Path] = (),
 ) -> list[Entry]:
     """Write the report of named results into a folder, which is made if missing.
 
     ``report.json``, ``metrics.csv``, per result ``NAME-queries.csv`` and ``NAME-FIGURE.svg`` and
     ``.png``, and ``index.html``, published last. The same results give the same bytes.
-    ``chosen_on`` : name and result of the run whose thresholds are carried over.
+    ``chosen_on`` : name and result of the run whose thresholds are carried over. ``logs`` : logs
+    the results were made from; frames of the listed matches are shown, and written as
+    ``NAME-query-N.png``.
 
     Returns
     -------
@@ -41,13 +46,18 @@ def write_report(
     Raises
     ------
     FpnavError
-        There is no result, a truth does not fit, or the folder cannot be written.
+        There is no result, a truth does not fit, a log is another one or cannot be read, or the
+        folder cannot be written.
     """
-    return write_entries(entries_of(results, chosen_on), folder, advance)
+    entries = entries_of(results, chosen_on)
+    return write_entries(entries, folder, advance, looks_of(entries, logs))
 
 
 def write_entries(
-    entries: Sequence[Entry], folder: Path, advance: Advance = lambda done: None
+    entries: Sequence[Entry],
+    folder: Path,
+    advance: Advance = lambda done: None,
+    looks: Looks = MappingProxyType({}),
 ) -> list[Entry]:
     """The same for entries that are evaluated already; ``advance`` is told of each one done."""
     if not entries:
@@ -57,6 +67,8 @@ def write_entries(
     for entry in entries:
         pictures[entry.slug] = list(_pictures(entry))
         publish_pictures(folder, pictures[entry.slug])
+        for look in looks.get(entry.slug, {}).values():
+            publish_bytes(folder / f"{look.name}.png", look.png)
         if entry.evaluation is not None:
             publish_bytes(folder / f"{entry.slug}-queries.csv", query_sheet(entry.evaluation))
         advance(1)
@@ -64,7 +76,7 @@ def write_entries(
     publish_pictures(folder, compared)
     publish_bytes(folder / "metrics.csv", metrics_sheet(entries))
     publish_bytes(folder / "report.json", as_json(document(entries)))
-    publish_bytes(folder / PAGE, render(page_context(entries, pictures, compared)))
+    publish_bytes(folder / PAGE, render(page_context(entries, pictures, compared, looks)))
     return list(entries)
 
 

@@ -101,11 +101,11 @@ def as_svg(figure: Figure) -> bytes:
     return buffer.getvalue()
 
 
-def as_png(figure: Figure) -> bytes:
-    """PNG of a figure, fit for a screen of high resolution."""
+def as_png(figure: Figure, dpi: float = 160.0) -> bytes:
+    """PNG of a figure, by default fit for a screen of high resolution."""
     buffer = io.BytesIO()
     with styled():
-        figure.savefig(buffer, format="png", metadata={"Software": "fpnav"}, dpi=160)
+        figure.savefig(buffer, format="png", metadata={"Software": "fpnav"}, dpi=dpi)
     return buffer.getvalue()
 
 
