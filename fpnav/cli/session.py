@@ -74,8 +74,10 @@ def choice_of(options: Mapping[str, Any]) -> Any:
     from fpnav.systems.registry import SYSTEMS
 
     known = [*SYSTEMS, "filter", "loops"]
-    tables = read_tables(options.get("params_file"), options.get("settings", ()), known)
-    return SystemChoice(options.get("system"), options.get("preset"), tables)
+    settings = options.get("settings", ())
+    tables = read_tables(options.get("params_file"), settings, known)
+    flags = frozenset(setting.partition(".")[0].strip() for setting in settings)
+    return SystemChoice(options.get("system"), options.get("preset"), tables, flags)
 
 
 def log_options_of(options: Mapping[str, Any]) -> Any:

@@ -29,7 +29,7 @@ from fpnav.store.results import read_header
 from fpnav.store.signatures import collect, read_signatures
 from fpnav.store.tables import Ragged, SignatureTable
 from fpnav.systems.base import Features, System
-from fpnav.systems.registry import system_class
+from fpnav.systems.registry import SYSTEMS, system_class
 from fpnav.values import Frame, Reference, Signature
 
 CHUNK = 16
@@ -67,11 +67,24 @@ class LogOptions:
 
 @dataclass(frozen=True, slots=True)
 class SystemChoice:
-    """The system asked for on the command line; None = what the input says, else the default."""
+    """The system asked for on the command line; None = what the input says, else the default.
+
+    ``flags`` : parameter blocks named by flags. A file may serve several systems; a flag for
+    another system than the one at work is a mistake.
+    """
 
     name: str | None = None
     preset: str | None = None
     tables: Tables = field(default_factory=lambda: NO_TABLES)
+    flags: frozenset[str] = frozenset()
+
+    def check_flags(self, name: str) -> None:
+        """Refuse flags for the parameters of a system that is not at work (UsageError)."""
+        for block in sorted(self.flags & SYSTEMS.keys()):
+            if block not in name.split("+"):
+                raise UsageError(
+                    f"--set {block}. sets parameters of {block}; the system at work is {name}"
+                )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,6 +106,7 @@ def make_system(choice: SystemChoice) -> tuple[System, str]:
     """
     if choice.name is None:
         raise UsageError("no system given; choose one with -s (see fpnav systems)")
+    choice.check_flags(choice.name)
     kind = system_class(choice.name)
     preset = choice.preset or "default"
     block = resolve(kind.NAME, choose_preset(kind.NAME, kind.PRESETS, preset), choice.tables)
@@ -110,6 +124,7 @@ def system_of(header: Header, choice: SystemChoice) -> tuple[System, str]:
     name = header["system"]
     if choice.name not in (None, name):
         raise UsageError(f"-s {choice.name}: the file was made with {name}")
+    choice.check_flags(name)
     kind = system_class(name)
     if choice.preset not in (None, header["preset"]):
         return make_system(SystemChoice(name, choice.preset, choice.tables))

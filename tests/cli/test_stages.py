@@ -164,6 +164,7 @@ def test_late_parameters_may_be_set_on_stored_signatures(folder: Path, tmp_path:
         (("--set", "fingerprint.thta=1"), "did you mean 'theta'"),
         (("--set", "fingerprnt.theta=1"), "did you mean 'fingerprint'"),
         (("--set", "theta=1"), "block.key=value"),
+        (("--set", "placecell.rt=0.5"), "the system at work is fingerprint"),
         (("--set", "fingerprint.theta=[1]"), "fingerprint"),
         (("--preset", "papr"), "has no preset"),
         (("--params", "nowhere.toml"), "no such parameter file"),
