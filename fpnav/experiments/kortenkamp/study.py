@@ -137,5 +137,5 @@ STUDY = Study(
         "C12": spacing.spacing,
     },
     together={"C1": detection.together, "C8": types.together},
-    most={"C9": 3, "C9-default": 3, "C12": 4},
+    most={"C9": 2, "C9-default": 2, "C12": 2},
 )
