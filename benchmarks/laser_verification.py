@@ -148,6 +148,9 @@ def judged(right: NDArray[np.bool_], logits: FloatArray, positive: int) -> str:
 def learn_first(found: Mapping[str, Examples]) -> None:
     """Each recording by the weights of the other, then the weights of both."""
     thin = {name: found[name].thinned(SPARSER) for name in FIRST if name in found}
+    if not thin:
+        print(f"first: left out, there is none of {', '.join(FIRST)}")
+        return
     for name, one in thin.items():
         others = [other for key, other in thin.items() if key != name]
         if others:
@@ -164,6 +167,9 @@ def learn_first(found: Mapping[str, Examples]) -> None:
 
 def learn_second(found: Mapping[str, Examples]) -> None:
     """Each recording by the weights of the others, then the weights of all."""
+    if not found:
+        print("second: left out, there is no recording")
+        return
     tables = {name: second_table(one) for name, one in found.items()}
     for name, (table, right) in tables.items():
         others = [pair for key, pair in tables.items() if key != name]

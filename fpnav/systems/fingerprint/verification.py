@@ -162,7 +162,8 @@ def features(overlays: Sequence[Overlay], params: FingerprintParams) -> FloatArr
     seen = [side[:, AGREE] + side[:, CONFLICT] for side in (ahead, back)]
     balance = np.array([one.balance for one in overlays])
     off = np.array([np.hypot(*one.pose[:2]) for one in overlays]) / params.same_m
-    turn = np.abs([wrap(float(one.pose[2])) for one in overlays]) / np.deg2rad(params.same_deg)
+    most_deg = 180.0 if params.window_m > 0.0 else params.same_deg
+    turn = np.abs([wrap(float(one.pose[2])) for one in overlays]) / np.deg2rad(most_deg)
     return np.column_stack(
         [
             np.minimum(ahead[:, AGREE], back[:, AGREE]),
@@ -170,7 +171,7 @@ def features(overlays: Sequence[Overlay], params: FingerprintParams) -> FloatArr
             np.minimum(*seen),
             np.sqrt([one.square_m2 for one in overlays]),
             np.maximum(off - OFFSET_FREE, 0.0),
-            np.maximum(turn - TURN_FREE, 0.0),
+            np.maximum(turn - TURN_FREE, 0.0) * (most_deg < 180.0),
             balance - balance.max(),
         ]
     )
