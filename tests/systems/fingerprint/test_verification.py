@@ -11,6 +11,7 @@ import pytest
 from helpers import small_world
 
 from fpnav.geometry import compose, relative
+from fpnav.params import resolve
 from fpnav.systems.base import Verification
 from fpnav.systems.fingerprint import Fingerprint, evidence
 from fpnav.systems.fingerprint.params import PRESETS
@@ -147,3 +148,15 @@ def test_the_check_is_whole_only_where_no_camera_saw_anything() -> None:
     record = query.record.copy()
     record["camera_width_rad"] = 6.28
     assert not checked(replace(query, record=record), [query]).whole
+
+
+def test_with_windows_a_place_is_the_same_whatever_the_heading() -> None:
+    settings = {"fingerprint": {"window_m": 3.0}}
+    windows = Fingerprint(resolve("fingerprint", PRESETS["default"], settings))
+    there = Pose2(HERE.x_m, HERE.y_m, HERE.heading_rad + 2.0)
+    scans = [small_world.scan(pose, 360, 2 * math.pi) for pose in (HERE, there)]
+    query, turned = (signature_of(scan) for scan in scans)
+    found, plain = (system.verify(query, [turned]) for system in (windows, DEFAULT))
+    assert found is not None
+    assert plain is not None
+    assert found.scores[0] > 3.0 > plain.scores[0]
