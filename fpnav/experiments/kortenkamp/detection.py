@@ -79,7 +79,7 @@ def _pictures(drives: Sequence[Traversal]) -> list[Illustration]:
         Illustration(
             "plan", "Figure 3 here: the experimental space",
             "Walls, the three routes from their starts, and the gateways that the test traversals "
-            "found, each with the direction of travel and its type.",
+            "found, each with the direction of travel.",
             partial(drawing.plan, world, [(drive.route, drive.survey) for drive in tests]),
         ),
     ]  # fmt: skip
