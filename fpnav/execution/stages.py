@@ -12,7 +12,7 @@ from fpnav.execution.outcome import make_result, no_view, result_header, view_of
 from fpnav.execution.walk import Run, is_store
 from fpnav.localization.confidence import Confidence, mapping_confidence
 from fpnav.localization.filter import FilterParams
-from fpnav.localization.locate import Method, locate, recall_all
+from fpnav.localization.locate import Method, Spots, locate, recall_all, recall_spots
 from fpnav.localization.recognize import past_candidates, recognize
 from fpnav.mapping.build import build_map
 from fpnav.mapping.loops import LoopParams
@@ -130,6 +130,7 @@ def locate_by(
     queries, truth = with_truth(run.table, built.signatures, truth_file)
     if recall is None:
         recall = recall_run(system, built, queries, advance)
+    spots = _spots(system, built, params) if set(methods) - {Method.MATCH} else None
     results = []
     for method in methods:
         answers = locate(
@@ -142,6 +143,7 @@ def locate_by(
             params=params,
             confidence=confidence,
             depth=RANKS,
+            spots=spots,
         )
         protocol = {
             "step_m": run.header["step_m"],
@@ -175,6 +177,13 @@ def recall_run(
     memory = system.memory()
     memory.load(built.memory)
     return recall_all(memory, queries, len(built.topomap), None, advance)
+
+
+def _spots(system: System, built: BuiltMap, params: FilterParams) -> Spots | None:
+    """How like each place the views along the mapping path are; None where there is no path."""
+    memory = system.memory()
+    memory.load(built.memory)
+    return recall_spots(memory, built.topomap, built.signatures, params)
 
 
 def recognize_run(

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Protocol
 
 import msgspec
 import numpy as np
@@ -33,6 +33,14 @@ class FilterParams(Params, frozen=True):
     entropy_share : or entropy below this share of log(places)
     power : exponent on the likelihood, which says no more than 5 : 1 of the best place against the
         worst; with kappa found on simulated mapping buildings (office seeds 11 to 13)
+    along_path : belief over the spots of the mapping path, where odometry gives one, and over
+        places by their sum (fpnav.localization.path); else over places alone
+    spot_m : least path between spots
+    spread_m : how far off a step between spots may be
+    astray : probability that a heading says nothing of where the robot goes
+    profile : nats between profiles of likeness that agree and such that have nothing in common;
+        of a place's own likelihood counts the plain value then. All found on the test runs of
+        office seeds 11 to 13
     decode : what ``--method smooth`` answers, the most likely place of each step (posterior) or
         the places of the single most likely path (viterbi)
     """
@@ -45,6 +53,11 @@ class FilterParams(Params, frozen=True):
     confident: Share = 0.8
     entropy_share: NotNegative = 0.3
     power: NotNegative = 2.0
+    along_path: bool = True
+    spot_m: Positive = 0.12
+    spread_m: Positive = 0.25
+    astray: Share = 0.1
+    profile: NotNegative = 20.0
     decode: Literal["posterior", "viterbi"] = "posterior"
 
 
@@ -105,11 +118,21 @@ def _extent(place: Place, params: FilterParams) -> float:
     return place.extent_m if place.extent_m > 0 else len(place.members) * params.mean_step_m
 
 
+class Net(Protocol):
+    """States joined by edges, (E,) indices of states."""
+
+    @property
+    def source(self) -> NDArray[np.int64]: ...
+    @property
+    def target(self) -> NDArray[np.int64]: ...
+    def __len__(self) -> int: ...
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Step:
     """One transition, ready to apply: ``leave`` (P,), ``weight`` (E,), ``jump`` to anywhere."""
 
-    transitions: Transitions
+    transitions: Net
     leave: FloatArray
     weight: FloatArray
     jump: float
@@ -146,14 +169,15 @@ def make_steps(
     """
     steps = []
     for row, (before, after) in enumerate(pairwise(references)):
-        leave = transitions.leaving(_travelled(before, after, transitions.params))
+        leave = transitions.leaving(travelled(before, after, transitions.params))
         weight = transitions.weights(headings_rad[row])
         apart = before.session != after.session
         steps.append(Step(transitions, leave, weight, 1.0 if apart else transitions.params.kidnap))
     return steps
 
 
-def _travelled(before: Reference, after: Reference, params: FilterParams) -> float:
+def travelled(before: Reference, after: Reference, params: FilterParams) -> float:
+    """Metres between two signatures; the mean step where odometry does not say."""
     step = after.travelled_m - before.travelled_m
     return step if np.isfinite(step) and step >= 0 else params.mean_step_m
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from fpnav.localization.confidence import Confidence
 from fpnav.localization.filter import (
     FilterParams,
+    Step,
     Transitions,
     entropy,
     filter_belief,
@@ -23,6 +24,7 @@ from fpnav.localization.filter import (
     most_likely_path,
     smooth_belief,
 )
+from fpnav.localization.path import PathSteps, make_path, path_likelihood, spots_of
 from fpnav.localization.verify import Checked, places_by_check, verified
 from fpnav.systems.base import Memory, Recall, System, Trace
 from fpnav.topomap.graph import TopoMap
@@ -79,6 +81,27 @@ def recall_all(
     )
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Spots:
+    """Spots of the mapping path: ``rows`` (C,) of the map's signatures and their ``profiles``
+    (C, P), scores at all places, ids ascending."""
+
+    rows: NDArray[np.int64]
+    profiles: FloatArray
+
+
+def recall_spots(
+    memory: Memory, topomap: TopoMap, mapped: Sequence[Signature], params: FilterParams
+) -> Spots | None:
+    """How like each place the views along the mapping path are; None where there is no path."""
+    rows = spots_of(topomap, mapped, params)
+    if not len(rows):
+        return None
+    views = [mapped[int(row)] for row in rows]
+    recall = recall_all(memory, views, len(topomap), None, lambda done: None)
+    return Spots(rows, by_place(recall, topomap.ids)[0])
+
+
 def _recall_blocks(
     memory: Memory,
     queries: Sequence[Signature],
@@ -106,6 +129,7 @@ def locate(
     params: FilterParams,
     confidence: Confidence,
     depth: int,
+    spots: Spots | None = None,
 ) -> Answers:
     """Locate a run on a map; matches are ordered by the system's geometric check, if it has one.
 
@@ -114,13 +138,14 @@ def locate(
     mapped : the map's signatures, which the places' members index
     recall : all places ranked for each query, as ``recall_all`` gives
     depth : ranks kept per query
+    spots : of the mapping path, as ``recall_spots`` gives; None = belief over places alone
     """
     if method is Method.MATCH:
         belief = np.zeros((len(queries), 0))
         ranked, stated = recall, confidence.stated(recall.scores[:, 0])
         decided = stated >= 0.5
     else:
-        belief, path = _belief(system, topomap, queries, recall, method, params)
+        belief, path = _belief(system, topomap, mapped, queries, recall, spots, method, params)
         ranked = _ranked_by(belief, path, recall, topomap.ids)
         stated = ranked.scores[:, 0]
         limit = params.entropy_share * np.log(max(2, len(topomap)))
@@ -199,19 +224,41 @@ def _by_check(
 def _belief(
     system: System,
     topomap: TopoMap,
+    mapped: Sequence[Signature],
     queries: Sequence[Signature],
     recall: Recall,
+    spots: Spots | None,
     method: Method,
     params: FilterParams,
 ) -> tuple[FloatArray, NDArray[np.int64] | None]:
+    """Belief over places, (Q, P), and the most likely path through them where asked for."""
     scores, headings = by_place(recall, topomap.ids)
-    likelihood = system.likelihood(scores) ** params.power
-    transitions = Transitions.of(topomap, params)
-    steps = make_steps(transitions, [query.reference for query in queries], headings)
+    likelihood = system.likelihood(scores)
+    references = [query.reference for query in queries]
+    steps: Sequence[Step]
+    if spots is None:
+        column = np.arange(len(topomap))
+        likelihood = likelihood**params.power
+        steps = make_steps(Transitions.of(topomap, params), references, headings)
+    else:
+        path = make_path(topomap, mapped, spots.rows, spots.profiles, references, params)
+        column = path.column
+        likelihood = path_likelihood(path, spots.profiles, scores, likelihood, params.profile)
+        likelihood[:1] /= np.bincount(column)[column]  # at first all places are as likely
+        steps = PathSteps(path, references, headings, params)
     if method is Method.FILTER:
-        return filter_belief(likelihood, steps), None
-    path = most_likely_path(likelihood, steps) if params.decode == "viterbi" else None
-    return smooth_belief(likelihood, steps), path
+        return _over_places(filter_belief(likelihood, steps), column, len(topomap)), None
+    way = most_likely_path(likelihood, steps) if params.decode == "viterbi" else None
+    belief = _over_places(smooth_belief(likelihood, steps), column, len(topomap))
+    return belief, None if way is None else column[way]
+
+
+def _over_places(belief: FloatArray, column: NDArray[np.int64], places: int) -> FloatArray:
+    """Belief over states (Q, S) summed over the states of each place, (Q, P)."""
+    out = np.zeros((len(belief), places))
+    for state, place in enumerate(column.tolist()):
+        out[:, place] += belief[:, state]
+    return out
 
 
 def by_place(recall: Recall, ids: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
