@@ -98,7 +98,7 @@ def new_node(made: NewNode) -> Drawing:
         style = {"color": INK if number == 0 else SERIES[number % len(SERIES)], "zorder": 3}
         left.plot(*made.points[rows].T, "o", ms=4.5, label=f"node {place}", **style)
         right.plot(np.flatnonzero(rows), made.novelty[rows], "o", ms=4.5, **style)
-    left.set_aspect("equal", adjustable="datalim")
+    left.set_aspect("equal", adjustable="box")
     x, y = made.points.mean(axis=0)
     left.set(xlim=(x - _NEAR_M, x + _NEAR_M), ylim=(y - _NEAR_M, y + _NEAR_M))
     left.set_xlabel("x, m")
