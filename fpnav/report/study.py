@@ -232,7 +232,7 @@ def _section(
         "columns": ["mean" if f.seed is None else f"world {f.seed}" for f in own],
         "table": [
             {
-                "title": words.title_of(metric),
+                "title": _title(metric),
                 "cells": [_cell(f, metric, share=_is_share(name, metric, own)) for f in own],
             }
             for metric in metrics
@@ -241,6 +241,12 @@ def _section(
         "more": [(f.name, pictures[f.name]) for f in single[1:] if pictures[f.name]],
         "facts": [(key, str(plain(value))) for key, value in first.facts.items()],
     }
+
+
+def _title(metric: str) -> str:
+    """Title of a figure; of one that only a study has, its name with spaces."""
+    title = words.title_of(metric)
+    return title.replace("_", " ") if title == metric else title
 
 
 def _cell(finding: Finding, name: str, *, share: bool) -> dict[str, str]:
