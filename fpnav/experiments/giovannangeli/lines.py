@@ -272,5 +272,5 @@ def picture(
     name: str, title: str, fields: Fields, hidden_from_m: float = float("nan")
 ) -> Illustration:
     """Activity of every place over position."""
-    caption = "One line a place cell; triangles mark where places were learned, on another run."
+    caption = "One line a place cell; triangles mark where places were learned, on another drive."
     return Illustration(name, title, caption, partial(drawing.draw, fields, hidden_from_m))
