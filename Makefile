@@ -35,7 +35,7 @@ test: $(READY) ## Run the tests (under 5 minutes)
 ##@ Development
 .PHONY: test-slow
 test-slow: $(READY) ## Run the long tests: sweeps over every byte, kill and disk-full sweeps
-	$(BIN)/python -m pytest -m slow -n 2 --timeout 600
+	$(BIN)/python -m pytest -m slow -n 2 --dist worksteal --timeout 600
 
 .PHONY: check
 check: lint test docs ## Format, lint, types, tests, docs
@@ -62,11 +62,12 @@ real: $(READY) ## Run every system on the recordings of FPNAV_DATA and rewrite R
 sample-logs: $(READY) ## Make sample_logs/ anew, byte for byte
 	$(BIN)/python sample_logs/make.py
 
-.PHONY: reproduce-small
-reproduce-small: $(READY) ## Every paper's experiments in one world, shortened, to see that they run
-	$(BIN)/fpnav reproduce tapus --small --seeds 1 -o $(BUILD)/reproduce-small/tapus
-	$(BIN)/fpnav reproduce kortenkamp --small --seeds 1 -o $(BUILD)/reproduce-small/kortenkamp
-	$(BIN)/fpnav reproduce giovannangeli --small --seeds 1 --jobs 2 -o $(BUILD)/reproduce-small/giovannangeli
+SMALL := $(addprefix reproduce-small-,tapus kortenkamp giovannangeli)
+.PHONY: reproduce-small $(SMALL)
+reproduce-small: $(SMALL) ## Every paper's experiments in one world, shortened, to see that they run
+
+$(SMALL): reproduce-small-%: $(READY)
+	$(BIN)/fpnav reproduce $* --small --seeds 1 -o $(BUILD)/reproduce-small/$*
 
 .PHONY: reproduce-kortenkamp
 reproduce-kortenkamp: $(READY) ## Kortenkamp and Weymouth in twenty simulated buildings
