@@ -145,12 +145,8 @@ def locate_by(
             depth=RANKS,
             spots=spots,
         )
-        protocol = {
-            "step_m": run.header["step_m"],
-            "step_heading_rad": run.header["step_heading_rad"],
-            "travelled_from": run.header["travelled_from"],
-            "filter": as_dict(params) if method is not Method.MATCH else None,
-        }
+        by = None if method is Method.MATCH else as_dict(params)
+        protocol = {**_thinning_of(run), "filter": by}
         header = result_header(
             run.header, method=str(method), protocol=protocol, chain=[map_header]
         )
