@@ -82,9 +82,7 @@ class SystemChoice:
         """Refuse flags for the parameters of a system that is not at work (UsageError)."""
         for block in sorted(self.flags & SYSTEMS.keys()):
             if block not in name.split("+"):
-                raise UsageError(
-                    f"--set {block}. sets parameters of {block}; the system at work is {name}"
-                )
+                raise UsageError(f"--set {block}.KEY is for {block}; the system at work is {name}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
