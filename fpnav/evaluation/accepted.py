@@ -13,6 +13,7 @@ from fpnav.values import FloatArray
 
 _CELLS = 4_000_000
 _ROWS = np.dtype(np.int64)
+_NONE = np.zeros(0, np.int64)
 
 Bools = NDArray[np.bool_]
 
@@ -102,23 +103,44 @@ def owners(rows: Ragged, owner: NDArray[np.int64], candidates: NDArray[np.int64]
 
 
 def border_places(
+    queries: FloatArray,
     foot: NDArray[np.int64],
     poses: FloatArray,
     owner: NDArray[np.int64],
     neighbours: dict[int, set[int]],
     within_m: float,
 ) -> Ragged:
-    """Neighbours of the true place whose border each query is at.
+    """Graph neighbours of the true place whose border each query is at.
 
-    The query is at a border where the mapping pose nearest to it, row ``foot`` (Q,), lies within
-    ``within_m`` of a pose that a graph neighbour owns.
+    A place reaches as far as its mapping poses (R, 3) are the nearest, and so does its border: the
+    query (Q, 3), whose own nearest pose is row ``foot`` (Q,), is at the border where it would be
+    in the neighbour after at most ``within_m`` straight towards one of that one's poses.
     """
-    near_to: dict[int, NDArray[np.int64]] = {-1: np.zeros(0, np.int64)}
-    for row in np.unique(foot[foot >= 0]).tolist():
-        away = np.hypot(*(poses[:, :2] - poses[row, :2]).T)
-        near = set(owner[away <= within_m].tolist())
-        near_to[row] = np.array(sorted(near & neighbours.get(int(owner[row]), set())), np.int64)
-    return Ragged.of([near_to[row] for row in foot.tolist()], _ROWS)
+    found = [_NONE] * len(foot)
+    for query in np.flatnonzero(foot >= 0).tolist():
+        beside = neighbours.get(int(owner[foot[query]]), set())
+        away = poses[:, :2] - queries[query, :2]
+        far = np.hypot(away[:, 0], away[:, 1])
+        rows = np.flatnonzero(far <= far[foot[query]] + 2.0 * within_m)
+        rivals = [row for row in rows.tolist() if int(owner[row]) in beside]
+        if rivals:
+            near = _entered_after(away[rivals], away[rows]) <= within_m
+            found[query] = np.unique(owner[rivals][near])
+    return Ragged.of(found, _ROWS)
+
+
+def _entered_after(targets: FloatArray, around: FloatArray) -> FloatArray:
+    """Way (T,) from the origin straight towards each target (T, 2) until it is the nearest.
+
+    ``around`` (N, 2): all that could be nearer on the way. Points p = t * target are as near to
+    the target as to c where t * 2 (target - c) . target = |target|^2 - |c|^2.
+    """
+    far = np.hypot(targets[:, 0], targets[:, 1])
+    lead = far[:, None] ** 2 - (around**2).sum(axis=1)
+    turn = 2.0 * (far[:, None] ** 2 - targets @ around.T)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossed = np.where(turn > 0.0, lead / turn, np.where(lead > 0.0, np.inf, 0.0))
+    return np.asarray(far * np.clip(crossed, 0.0, None).max(axis=1))
 
 
 def contains(accepted: Ragged, places: NDArray[np.int64]) -> Bools:

@@ -118,7 +118,12 @@ def judge(result: Result) -> Case:
     """
     judged, accepted, foot = _truth(result)
     border = border_places(
-        foot, result.references["truth"], result.owner, neighbour_places(result), BORDER_M
+        result.queries["truth"],
+        foot,
+        result.references["truth"],
+        result.owner,
+        neighbour_places(result),
+        BORDER_M,
     )
     member = result.members[:, 0] if result.members.shape[1] else np.full(len(judged), -1)
     truth = _member_truth(result, member)

@@ -74,9 +74,27 @@ def test_padding_is_never_right() -> None:
 def test_a_neighbour_is_tolerated_only_near_its_border() -> None:
     poses = np.array([[x, 0, 0] for x in (0.0, 0.4, 0.8, 1.2)])
     owner = np.array([0, 0, 1, 2])
-    found = border_places(np.array([0, 1, 2, -1]), poses, owner, {0: {1}, 1: {0}}, 0.5)
-    # row 0: place 1 begins 0.8 m on; row 1: 0.4 m on; row 2: places 0 and 2 near, 2 not a neighbour
+    queries = np.array([[0.05, 0, 0], [0.15, 0, 0], [0.7, 0.3, 0], [np.nan] * 3])
+    found = border_places(queries, np.array([0, 0, 2, -1]), poses, owner, {0: {1}, 1: {0}}, 0.5)
+    # places 0 and 1 meet at 0.6; 1 and 2 meet at 1.0 but are no neighbours
     assert accepted(found) == [[], [1], [0], []]
+
+
+def test_a_border_lies_half_way_between_two_passings() -> None:
+    """Two tracks 0.8 m apart: their border is 0.4 m from either."""
+    along = np.arange(0.0, 3.0, 0.15)
+    poses = np.array([[x, y, 0.0] for y in (0.0, 0.8) for x in along])
+    owner = np.repeat([0, 1], len(along))
+    queries = np.array([[1.5, y, 0.0] for y in (-0.2, 0.0, 0.3, 0.79)])
+    foot = np.array([10, 10, 10, 30])
+    found = border_places(queries, foot, poses, owner, {0: {1}, 1: {0}}, 0.5)
+    assert accepted(found) == [[], [1], [1], [0]]
+
+
+def test_another_place_between_keeps_a_border_away() -> None:
+    poses = np.array([[x, 0, 0] for x in (0.0, 0.3, 0.6)])
+    found = border_places(np.zeros((1, 3)), np.array([0]), poses, np.arange(3), {0: {1, 2}}, 0.4)
+    assert accepted(found) == [[1]]
 
 
 def test_the_true_place_owns_the_nearest_mapping_pose() -> None:

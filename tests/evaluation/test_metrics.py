@@ -132,10 +132,10 @@ def test_place_accuracy_counts_queries_that_stand_in_a_place() -> None:
 def test_a_neighbour_at_the_border_counts_for_the_tolerant_figure_alone() -> None:
     mapping = [[0.3 * x, 0, 0] for x in range(6)]
     result = on_map(
-        mapping, OWNER, [[0.35, 0.1, 0], [0.0, 0.1, 0]], [[1], [1]], edges=[(0, 1), (1, 2)]
+        mapping, OWNER, [[0.35, 0.1, 0], [-0.2, 0.1, 0]], [[1], [1]], edges=[(0, 1), (1, 2)]
     )
     found = evaluate(result)
-    # the first query's nearest pose lies 0.3 m from place 1, the second's 0.6 m
+    # place 1 begins at 0.45 m: 0.1 m from the first query, 0.65 m from the second
     assert value(found, "place_accuracy_top1") == (0.0, 0, 2)
     assert value(found, "place_accuracy_top1_tolerant") == (0.5, 1, 2)
 
