@@ -77,7 +77,7 @@ class LazyGroup(click.Group):
             import difflib
 
             near = difflib.get_close_matches(args[0], COMMANDS, n=1)
-            hint = f"; did you mean {near[0]!r}?" if near else "; see fpnav --help"
+            hint = f"; did you mean {near[0]!r}?" if near else ""
             raise click.UsageError(f"no command {args[0]!r}{hint}", ctx)
         return super().resolve_command(ctx, args)
 
@@ -123,9 +123,11 @@ def _run(arguments: list[str] | None) -> int:
         return _say(error, error.exit_code)
     except click.exceptions.Exit as leave:
         return int(leave.exit_code)
-    except click.ClickException as error:
-        error.show(sys.stderr)
+    except click.exceptions.NoArgsIsHelpError as bare:
+        bare.show(sys.stderr)
         return 2
+    except click.ClickException as error:
+        return _say(_usage(error), 2)
     except click.Abort:
         raise KeyboardInterrupt from None
     except SystemExit as leave:  # how click answers a closed pipe
@@ -144,6 +146,14 @@ def _say(message: object, code: int) -> int:
     text = "".join(_visible(character) for character in str(message))
     click.echo(f"fpnav: error: {text}", err=True)
     return code
+
+
+def _usage(error: click.ClickException) -> str:
+    """What is wrong with a command line and where help is, in one line (click's are four)."""
+    context = error.ctx if isinstance(error, click.UsageError) else None
+    command = context.command_path if context else "fpnav"
+    found = " ".join(error.format_message().split()).removesuffix(".")
+    return f"{found} (see {command} --help)"
 
 
 def _visible(character: str) -> str:

@@ -152,7 +152,7 @@ def test_an_unknown_command_is_answered_with_the_nearest(
     assert main._run(["ingets"]) == 2
     assert "no command 'ingets'; did you mean 'ingest'?" in capsys.readouterr().err
     assert main._run(["zzz"]) == 2
-    assert "no command 'zzz'; see fpnav --help" in capsys.readouterr().err
+    assert capsys.readouterr().err == "fpnav: error: no command 'zzz' (see fpnav --help)\n"
     assert main._run(["\x1b[31m"]) == 2
     assert "\x1b" not in capsys.readouterr().err
 
@@ -168,8 +168,25 @@ def test_help_and_version_go_to_stdout_and_nothing_at_all_is_a_usage_error(
     assert main._run(["--version"]) == 0
     assert __version__ in capsys.readouterr().out
     assert main._run([]) == 2
-    assert main._run(["--nonsense"]) == 2
-    assert capsys.readouterr().out == ""
+    assert "Commands:" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("line", "named", "help_of"),
+    [
+        (["--nonsense"], "--nonsense", "fpnav"),
+        (["report"], "RESULT.h5", "fpnav report"),
+        (["localize", "m.h5", "l.mcap", "--method", "guess", "-o", "o"], "guess", "fpnav localize"),
+    ],
+)
+def test_a_wrong_command_line_is_answered_in_one_line(
+    line: list[str], named: str, help_of: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main._run(line) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert named in err
+    assert re.fullmatch(rf"fpnav: error: .+ \(see {help_of} --help\)\n", err)
 
 
 @pytest.mark.parametrize(
