@@ -106,8 +106,14 @@ def check_same_signatures(
         )
     ours, theirs = flat(first["params"]), flat(second["params"])
     for key in sorted({*ours, *theirs} - set(late)):
-        if ours.get(key) != theirs.get(key):
+        for name, params in zip(names, (ours, theirs), strict=True):
+            if key not in params:
+                raise StoreError(
+                    f"{name} was made by a version of fpnav that had no {first['system']}.{key}; "
+                    "make both with the same version"
+                )
+        if ours[key] != theirs[key]:
             raise StoreError(
-                f"{names[0]} has {first['system']}.{key}={ours.get(key)!r}, "
-                f"{names[1]} has {theirs.get(key)!r}; make both with the same parameters"
+                f"{names[0]} has {first['system']}.{key}={ours[key]!r}, "
+                f"{names[1]} has {theirs[key]!r}; make both with the same parameters"
             )
