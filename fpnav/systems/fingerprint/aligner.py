@@ -36,6 +36,7 @@ class Aligner:
         """One fingerprint as a mean of itself, its certainties by the model."""
         features = signature.parts["features"].copy()
         features["certainty"] = self.model.certainty(features)
+        features["seen"] = 1  # from here on: by how many of a place's fingerprints
         return Mean(features, arcs_of(signature), 1)
 
     def symbols(self, mean: Mean) -> NDArray[Any]:

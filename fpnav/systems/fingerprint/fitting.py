@@ -12,7 +12,13 @@ from fpnav.systems.fingerprint.learning import learned_scores
 from fpnav.systems.fingerprint.model import Model, hand_made
 from fpnav.systems.fingerprint.pairs import far_pairs, near_pairs
 from fpnav.systems.fingerprint.params import FingerprintParams
-from fpnav.systems.fingerprint.reliability import fitted_curves, sightings
+from fpnav.systems.fingerprint.reliability import (
+    Rule,
+    by_alignment,
+    by_odometry,
+    calibrated,
+    sightings,
+)
 from fpnav.values import Signature
 
 
@@ -29,11 +35,16 @@ def fitted(signatures: Sequence[Signature], params: FingerprintParams) -> Model:
     return model
 
 
+def following_rule(signatures: Sequence[Signature], aligner: Aligner) -> Rule:
+    """How features of a run are followed: by odometry and ranges, else by the alignment."""
+    placed = all(one.reference.odometry is not None for one in signatures)
+    ranged = any(np.isfinite(one.parts["features"]["range_m"]).any() for one in signatures)
+    return by_odometry if placed and ranged else by_alignment(aligner)
+
+
 def _calibrated(signatures: Sequence[Signature], params: FingerprintParams, model: Model) -> Model:
-    found = sightings(signatures, Aligner(params, model))
-    evidence = model.evidence.copy()
-    evidence[3] = len(found.stated)
-    return replace(model, curves=fitted_curves(found, model.curves), evidence=evidence)
+    rule = following_rule(signatures, Aligner(params, model))
+    return calibrated(model, sightings(signatures, model, rule))
 
 
 def _rescored(signatures: Sequence[Signature], params: FingerprintParams, model: Model) -> Model:
@@ -46,4 +57,4 @@ def _rescored(signatures: Sequence[Signature], params: FingerprintParams, model:
         bare.strings(signatures), near, far, model.scores, model.weights
     )
     evidence = np.array([len(near), len(far), symbols, model.evidence[3]], np.int64)
-    return Model(scores, weights, model.curves, evidence)
+    return replace(model, scores=scores, weights=weights, evidence=evidence)

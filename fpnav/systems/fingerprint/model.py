@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fpnav.matching.strings import Scores
-from fpnav.systems.fingerprint import scoring
+from fpnav.systems.fingerprint import presence, scoring
 from fpnav.systems.fingerprint.params import FingerprintParams
 from fpnav.systems.fingerprint.symbols import ALPHABET, C, V, codes
 from fpnav.values import FloatArray
@@ -18,32 +18,37 @@ from fpnav.values import FloatArray
 GROUPS = ("edges", "corners", "colours")
 KNOTS = 9
 
-STATE = ("sigma", "gap", "weights", "curves", "evidence")
+STATE = ("sigma", "gap", "weights", "lean", "curves", "evidence")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
     """Worth and certainty of symbols.
 
-    ``scores`` what matches and gaps are worth; ``weights`` (20,) tau of each code; ``curves``
-    (3, 2, KNOTS): for edges, corners and colours, stated certainty -> probability of seeing such
-    a feature again, piecewise linear; ``evidence`` (4,) what it was learned from: pairs of one
-    place, pairs of two, symbols of them, features followed; 0 where hand-made.
+    ``scores`` what matches and gaps are worth; ``weights`` (20,) tau of each code. For edges,
+    corners and colours: ``lean`` (3, presence.COLUMNS + 1) weights and bias of a logistic of what
+    is known of a feature, all 0 = its certainty as extracted; ``curves`` (3, 2, KNOTS) from that
+    to the probability of seeing such a feature again, piecewise linear. ``evidence`` (4,) what it
+    was learned from: pairs of one place, pairs of two, symbols of them, features followed; 0 where
+    hand-made.
     """
 
     scores: Scores
     weights: FloatArray
+    lean: FloatArray
     curves: FloatArray
     evidence: NDArray[np.int64]
 
     def certainty(self, features: NDArray[Any]) -> FloatArray:
-        """Certainty of each feature by its curve."""
+        """Certainty of each feature of one fingerprint, (F,), by its group's logistic and curve."""
         group = groups_of(features)
         stated = features["certainty"].astype(np.float64)
+        known = presence.table(features) if self.lean.any() else np.zeros((len(features), 0))
         out = stated.copy()
-        for number, (knots, values) in enumerate(self.curves):
+        for number, (lean, (knots, values)) in enumerate(zip(self.lean, self.curves, strict=True)):
             same = group == number
-            out[same] = np.interp(stated[same], knots, values)
+            says = presence.probability(known[same], lean) if lean.any() else stated[same]
+            out[same] = np.interp(says, knots, values)
         return out
 
 
@@ -58,7 +63,8 @@ def hand_made(params: FingerprintParams) -> Model:
         identity = 2.0 * np.eye(size) - 1.0
         scores = Scores(identity, np.full(size, 0.5), scores.visible)
         weights = np.ones(size)
-    return Model(scores, weights, curves, np.zeros(4, np.int64))
+    lean = np.zeros((len(GROUPS), len(presence.COLUMNS) + 1))
+    return Model(scores, weights, lean, curves, np.zeros(4, np.int64))
 
 
 def groups_of(features: NDArray[Any]) -> NDArray[np.int64]:
@@ -73,6 +79,7 @@ def saved(model: Model) -> dict[str, NDArray[Any]]:
         "sigma": model.scores.sigma,
         "gap": model.scores.gap,
         "weights": model.weights,
+        "lean": model.lean,
         "curves": model.curves,
         "evidence": model.evidence,
     }
@@ -83,6 +90,7 @@ def loaded(state: Mapping[str, NDArray[Any]]) -> Model:
     return Model(
         Scores(np.array(state["sigma"]), np.array(state["gap"]), scoring.visible_table()),
         np.array(state["weights"]),
+        np.array(state["lean"]),
         np.array(state["curves"]),
         np.array(state["evidence"]),
     )

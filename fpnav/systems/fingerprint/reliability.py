@@ -2,61 +2,97 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fpnav.matching.cyclic import align
-from fpnav.systems.fingerprint import scoring
+from fpnav.systems.fingerprint import presence, scoring
 from fpnav.systems.fingerprint.aligner import Aligner
-from fpnav.systems.fingerprint.mean import Mean
-from fpnav.systems.fingerprint.model import GROUPS, KNOTS, groups_of
+from fpnav.systems.fingerprint.following import moved, partners
+from fpnav.systems.fingerprint.model import GROUPS, KNOTS, Model, groups_of
 from fpnav.systems.fingerprint.pairs import Pairs, near_pairs
 from fpnav.values import FloatArray, Signature
 
 AGAIN_RAD = float(np.deg2rad(15.0))
 LEAST = 40
 
+Bools = NDArray[np.bool_]
+Rule = Callable[[Signature, Signature], Bools]
+"""Which features (F,) of the first fingerprint are seen again in the second."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sightings:
-    """Features that were followed: ``stated`` certainty, ``group`` of GROUPS, ``again`` whether
-    a nearby fingerprint saw it, (M,) each."""
+    """Features that were followed, (M,) each: ``stated`` certainty by a model, ``evidence``
+    (M, presence.COLUMNS), ``group`` of GROUPS, ``again`` whether a nearby fingerprint saw it."""
 
     stated: FloatArray
+    evidence: FloatArray
     group: NDArray[np.int64]
-    again: NDArray[np.bool_]
+    again: Bools
 
 
 def sightings(
-    signatures: Sequence[Signature], aligner: Aligner, pairs: Pairs | None = None
+    signatures: Sequence[Signature], model: Model, seen: Rule, pairs: Pairs | None = None
 ) -> Sightings:
-    """What became of the features of each fingerprint in one a little further on.
-
-    A feature is seen again where the alignment matches it with one of its type that is within 15
-    degrees after the turn.
-    """
+    """What became of the features of each fingerprint in one a little further on."""
     if pairs is None:
         pairs = near_pairs([one.reference for one in signatures])
-    views = [aligner.observation(one) for one in signatures]
-    rows = [_followed(views[i], views[j], aligner) for i, j in pairs.tolist()]
-    columns = [np.concatenate([np.zeros(0), *column]) for column in zip(*rows, strict=True)]
-    if not columns:
-        columns = [np.zeros(0)] * 3
-    return Sightings(columns[0], columns[1].astype(np.int64), columns[2].astype(bool))
+    first, rows = np.unique(pairs[:, 0], return_inverse=True)
+    features = [signatures[i].parts["features"] for i in first.tolist()]
+    known = [(model.certainty(one), presence.table(one), groups_of(one)) for one in features]
+    told = [known[row] for row in rows.tolist()]
+    again = [seen(signatures[i], signatures[j]) for i, j in pairs.tolist()]
+    return Sightings(
+        np.concatenate([np.zeros(0), *(one[0] for one in told)]),
+        np.concatenate([np.zeros((0, len(presence.COLUMNS))), *(one[1] for one in told)]),
+        np.concatenate([np.zeros(0, np.int64), *(one[2] for one in told)]),
+        np.concatenate([np.zeros(0, bool), *again]),
+    )
 
 
-def fitted_curves(found: Sightings, curves: FloatArray) -> FloatArray:
-    """Curves of a model, refitted by group: the rising curve of least squares through the
-    observed frequencies; a group with too few sightings keeps its own."""
-    out = curves.copy()
+def by_odometry(first: Signature, second: Signature) -> Bools:
+    """Rule: one of its type stands within 3 degrees of where this one must, by odometry."""
+    return _standing(first, second, "odometry")
+
+
+def by_truth(first: Signature, second: Signature) -> Bools:
+    """Rule: one of its type stands within 3 degrees of where this one must, by the true poses."""
+    return _standing(first, second, "truth")
+
+
+def by_alignment(aligner: Aligner) -> Rule:
+    """Rule: the alignment matches it with one of its type, within 15 degrees after the turn.
+
+    Asks for no pose; where the alignment turns a fingerprint wrongly, none of it is seen again.
+    """
+
+    def seen(first: Signature, second: Signature) -> Bools:
+        return _matched(first, second, aligner)
+
+    return seen
+
+
+def calibrated(model: Model, found: Sightings) -> Model:
+    """The model with leanings and curves refitted by group: a logistic of the evidence, then the
+    rising curve of least squares through the observed frequencies.
+
+    A group with too few sightings keeps its own.
+    """
+    lean, curves = model.lean.copy(), model.curves.copy()
     for group in range(len(GROUPS)):
         same = found.group == group
-        if same.sum() >= LEAST:
-            out[group] = _rising(found.stated[same], found.again[same].astype(np.float64))
-    return out
+        if same.sum() < LEAST:
+            continue
+        evidence, again = found.evidence[same], found.again[same]
+        lean[group] = presence.fitted_lean(evidence, again)
+        curves[group] = _rising(presence.probability(evidence, lean[group]), again)
+    counts = model.evidence.copy()
+    counts[3] = len(found.again)
+    return replace(model, lean=lean, curves=curves, evidence=counts)
 
 
 def pooled(values: FloatArray, weights: FloatArray) -> FloatArray:
@@ -72,13 +108,19 @@ def pooled(values: FloatArray, weights: FloatArray) -> FloatArray:
     return np.concatenate([np.zeros(0), *(np.full(int(n), value) for value, _, n in blocks)])
 
 
-def _followed(
-    first: Mean, second: Mean, aligner: Aligner
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Stated certainty, group and outcome of every feature of the first."""
-    rows = aligner.symbols(first), aligner.symbols(second)
+def _standing(first: Signature, second: Signature, by: str) -> Bools:
+    rows, others = first.parts["features"], second.parts["features"]
+    motion = moved(getattr(first.reference, by), getattr(second.reference, by))
+    if motion is None:
+        return np.zeros(len(rows), bool)
+    return np.asarray(partners(rows, others, motion) >= 0)
+
+
+def _matched(first: Signature, second: Signature, aligner: Aligner) -> Bools:
+    one, other = aligner.observation(first), aligner.observation(second)
+    rows = aligner.symbols(one), aligner.symbols(other)
     found = align(
-        aligner.pack([first]), 0, aligner.pack([second]), np.zeros(1, np.int64),
+        aligner.pack([one]), 0, aligner.pack([other]), np.zeros(1, np.int64),
         aligner.model.scores, scoring.EMPTY,
     )  # fmt: skip
     mates = np.flatnonzero(found.partner[0] >= 0)
@@ -86,17 +128,16 @@ def _followed(
     theirs = rows[1]["feature"][mates]
     both = (mine >= 0) & (theirs >= 0)
     mine, theirs = mine[both], theirs[both]
-    a, b = first.features[mine], second.features[theirs]
+    a, b = one.features[mine], other.features[theirs]
     off = b["angle_rad"] - a["angle_rad"] - np.nan_to_num(found.psi_rad[0])
     off = np.abs((off + np.pi) % (2.0 * np.pi) - np.pi)
-    again = np.zeros(len(first.features))
-    again[mine[(a["type"] == b["type"]) & (off <= AGAIN_RAD)]] = 1.0
-    stated = first.features["certainty"].astype(np.float64)
-    return stated, groups_of(first.features).astype(np.float64), again
+    again = np.zeros(len(one.features), bool)
+    again[mine[(a["type"] == b["type"]) & (off <= AGAIN_RAD)]] = True
+    return again
 
 
-def _rising(stated: FloatArray, again: FloatArray) -> FloatArray:
-    """Knots (2, KNOTS): mean certainty and frequency of equally full bins, made to rise."""
+def _rising(stated: FloatArray, again: Bools) -> FloatArray:
+    """Knots (2, KNOTS): mean probability and frequency of equally full bins, made to rise."""
     order = np.argsort(stated, kind="stable")
     bins = np.array_split(order, KNOTS)
     knots = np.array([stated[rows].mean() for rows in bins])

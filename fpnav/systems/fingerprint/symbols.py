@@ -32,7 +32,8 @@ FEATURE = np.dtype(
         ("seen", "<i4"),
     ]
 )
-"""A perceived feature: v, c or a hue A..P; angle in [0, 2 pi), counter-clockwise from ahead."""
+"""A perceived feature: v, c or a hue A..P; angle in [0, 2 pi), counter-clockwise from ahead;
+``seen`` in how many of this and the few fingerprints before it; in a mean, in how many fused."""
 
 SYMBOL = np.dtype([("type", "S1"), ("angle_rad", "<f8"), ("certainty", "<f4"), ("feature", "<i2")])
 """A letter of the string; ``feature`` is the row it stands for, -1 for f and n."""

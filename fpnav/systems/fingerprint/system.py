@@ -33,6 +33,7 @@ from fpnav.systems.fingerprint.camera import (
 )
 from fpnav.systems.fingerprint.chosen import ChosenMemory, one_sensor
 from fpnav.systems.fingerprint.extract import CAMERA_ROLES, features_of_frame, rays_of_frame
+from fpnav.systems.fingerprint.following import counted
 from fpnav.systems.fingerprint.laser import attributes_of
 from fpnav.systems.fingerprint.memory import FingerprintMemory
 from fpnav.systems.fingerprint.params import LATE, PRESETS, FingerprintParams
@@ -103,12 +104,14 @@ class Fingerprint:
         }
 
     def assemble(self, stream: Iterable[tuple[Reference, Features]]) -> Iterator[Signature]:
-        """One fingerprint per frame: f and n inserted, in angular order.
+        """One fingerprint per frame: f and n inserted, in angular order; features know how many of
+        the last ones had them.
 
         Strips are standardised over the run, which must be seen whole before the first one.
         """
         if self._params.window_m > 0.0 and self._params.ray_deg > 0.0:
             stream = windowed(stream, self._params)
+        stream = counted(stream)
         if self._params.camera == "letters":
             yield from (self._signature(one, found, NO_STRIPS) for one, found in stream)
             return
