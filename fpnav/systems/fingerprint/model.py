@@ -18,7 +18,8 @@ from fpnav.values import FloatArray
 GROUPS = ("edges", "corners", "colours")
 KNOTS = 9
 
-STATE = ("sigma", "gap", "weights", "lean", "curves", "evidence")
+STATE = ("sigma", "gap", "weights", "curves", "evidence")
+"""What a saved model must have; one saved before there was ``lean`` leans on nothing."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,8 +64,7 @@ def hand_made(params: FingerprintParams) -> Model:
         identity = 2.0 * np.eye(size) - 1.0
         scores = Scores(identity, np.full(size, 0.5), scores.visible)
         weights = np.ones(size)
-    lean = np.zeros((len(GROUPS), len(presence.COLUMNS) + 1))
-    return Model(scores, weights, lean, curves, np.zeros(4, np.int64))
+    return Model(scores, weights, _no_lean(), curves, np.zeros(4, np.int64))
 
 
 def groups_of(features: NDArray[Any]) -> NDArray[np.int64]:
@@ -90,7 +90,11 @@ def loaded(state: Mapping[str, NDArray[Any]]) -> Model:
     return Model(
         Scores(np.array(state["sigma"]), np.array(state["gap"]), scoring.visible_table()),
         np.array(state["weights"]),
-        np.array(state["lean"]),
+        np.array(state.get("lean", _no_lean())),
         np.array(state["curves"]),
         np.array(state["evidence"]),
     )
+
+
+def _no_lean() -> FloatArray:
+    return np.zeros((len(GROUPS), len(presence.COLUMNS) + 1))

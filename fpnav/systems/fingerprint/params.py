@@ -15,8 +15,9 @@ class FingerprintParams(Params, frozen=True):
     that correspond; ``delta_n_deg`` empty space one ``n`` stands for; ``certainty_n``.
     ``use_f``, ``use_colour`` leave out correspondences and hues; ``corner_epsilon_m`` tolerance of
     Douglas-Peucker. ``certainty`` as extracted, all alike (``flat``), or ``calibrated`` on the
-    mapping run. ``scores`` of the hand-made table, of plain Needleman-Wunsch, or ``learned`` from
-    the mapping run. ``exemplars`` kept beside a place's mean, fused where there are more;
+    mapping run: how likely a feature is seen again a little further on. ``scores`` of the hand-made
+    table, of plain Needleman-Wunsch, or ``learned`` from the mapping run. ``exemplars`` kept beside
+    a place's mean, fused where there are more;
     ``exemplar_m`` > 0 keeps a fingerprint as it is after every so many metres in a place; of mean
     and exemplars the best counts.
     ``angle_deg`` > 0 aligns a second time in recall, the turn known, a match losing the square of

@@ -16,7 +16,7 @@ bearing turns, radians a metre of travel straight on; logarithm of its range in 
 its bearing, since what is ahead comes nearer and what is behind goes."""
 
 MOST_PARALLAX, RANGES_M = 1.5, (0.3, 30.0)
-RIDGE, STEPS = 3.0, 30
+RIDGE, STEPS, LEAST_SPREAD = 3.0, 30, 1e-6
 LIMIT = 30.0
 
 
@@ -41,8 +41,12 @@ def probability(evidence: FloatArray, lean: FloatArray) -> FloatArray:
 
 
 def fitted_lean(evidence: FloatArray, again: NDArray[np.bool_]) -> FloatArray:
-    """Weights and bias of a logistic with a ridge on standardised columns, by Newton's steps."""
-    mean, spread = evidence.mean(axis=0), evidence.std(axis=0) + 1e-9
+    """Weights and bias of a logistic with a ridge on standardised columns, by Newton's steps.
+
+    A column that is the same in all rows says nothing.
+    """
+    mean, spread = evidence.mean(axis=0), evidence.std(axis=0)
+    spread = np.where(spread > LEAST_SPREAD, spread, np.inf)
     x = np.column_stack([(evidence - mean) / spread, np.ones(len(evidence))])
     ridge = RIDGE * np.append(np.ones(evidence.shape[1]), 1e-6)
     weights = np.zeros(x.shape[1])

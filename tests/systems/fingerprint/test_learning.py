@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers import small_world
@@ -11,7 +13,7 @@ from fpnav.systems.fingerprint import Fingerprint, FingerprintParams
 from fpnav.systems.fingerprint.learning import Tally, learned_scores, log_odds, tally
 from fpnav.systems.fingerprint.model import hand_made, loaded, saved
 from fpnav.systems.fingerprint.pairs import far_pairs, near_pairs
-from fpnav.systems.fingerprint.symbols import C, N, V
+from fpnav.systems.fingerprint.symbols import C, N, V, features_of
 from fpnav.values import Pose2, Reference, Signature
 
 SIZE = 20
@@ -91,6 +93,15 @@ def test_what_was_learned_is_stored_with_its_evidence() -> None:
     for name, array in saved(memory.model).items():
         assert np.array_equal(saved(other.model)[name], array)
     assert np.array_equal(loaded(saved(memory.model)).scores.sigma, memory.model.scores.sigma)
+
+
+def test_a_model_saved_before_there_were_leanings_states_what_it_stated() -> None:
+    model = hand_made(FingerprintParams(certainty="calibrated"))
+    curves = model.curves * np.array([1.0, 0.5])[None, :, None]
+    old = {**saved(replace(model, curves=curves))}
+    del old["lean"]
+    rows = features_of(np.array([b"c", b"v"]), np.array([0.0, 1.0]), np.array([0.4, 0.8]))
+    assert loaded(old).certainty(rows) == pytest.approx([0.2, 0.4])
 
 
 def test_a_run_too_short_to_learn_from_leaves_the_hand_made_scores() -> None:
