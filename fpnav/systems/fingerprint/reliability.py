@@ -14,7 +14,7 @@ from fpnav.systems.fingerprint.aligner import Aligner
 from fpnav.systems.fingerprint.following import moved, partners
 from fpnav.systems.fingerprint.model import GROUPS, KNOTS, Model, groups_of
 from fpnav.systems.fingerprint.pairs import Pairs, near_pairs
-from fpnav.values import FloatArray, Signature
+from fpnav.values import FloatArray, Pose2, Signature
 
 AGAIN_RAD = float(np.deg2rad(15.0))
 LEAST = 40
@@ -56,12 +56,12 @@ def sightings(
 
 def by_odometry(first: Signature, second: Signature) -> Bools:
     """Rule: one of its type stands within 3 degrees of where this one must, by odometry."""
-    return _standing(first, second, "odometry")
+    return _standing(first, second, moved(first.reference.odometry, second.reference.odometry))
 
 
 def by_truth(first: Signature, second: Signature) -> Bools:
     """Rule: one of its type stands within 3 degrees of where this one must, by the true poses."""
-    return _standing(first, second, "truth")
+    return _standing(first, second, moved(first.reference.truth, second.reference.truth))
 
 
 def by_alignment(aligner: Aligner) -> Rule:
@@ -108,9 +108,8 @@ def pooled(values: FloatArray, weights: FloatArray) -> FloatArray:
     return np.concatenate([np.zeros(0), *(np.full(int(n), value) for value, _, n in blocks)])
 
 
-def _standing(first: Signature, second: Signature, by: str) -> Bools:
+def _standing(first: Signature, second: Signature, motion: Pose2 | None) -> Bools:
     rows, others = first.parts["features"], second.parts["features"]
-    motion = moved(getattr(first.reference, by), getattr(second.reference, by))
     if motion is None:
         return np.zeros(len(rows), bool)
     return np.asarray(partners(rows, others, motion) >= 0)
