@@ -42,7 +42,8 @@ class Study:
     """A paper: how to name it, its experiments in order, and what is claimed of them.
 
     ``together`` : pictures over all worlds of an experiment; ``most`` : worlds that a long
-    experiment is run in at most, the first of those asked for
+    experiment is run in at most, the first of those asked for; ``long`` : experiments begun first,
+    in that order, so that at the end no worker waits for another
     """
 
     heading: Heading
@@ -50,6 +51,7 @@ class Study:
     experiments: Mapping[str, Experiment]
     together: Mapping[str, Together] = field(default_factory=dict)
     most: Mapping[str, int] = field(default_factory=dict)
+    long: Sequence[str] = ()
 
 
 def conduct(
@@ -75,14 +77,14 @@ def conduct(
         for name in study.experiments
         if not only or name in only
     }
-    outcomes = _outcomes(study, workshop, worlds)
+    outcomes: dict[tuple[str, int], Outcome] = {}
+    for task, outcome in _outcomes(study, workshop, worlds):
+        outcomes[task] = outcome
+        advance(1)
     findings = []
     for name, own in worlds.items():
-        found = {}
-        for seed in own:
-            found[seed] = next(outcomes)
-            advance(1)
         advance(len(seeds) - len(own))
+        found = {seed: outcomes[name, seed] for seed in own}
         pictures = study.together.get(name, _none)([o.material for o in found.values()])
         findings += _findings(name, found, pictures)
     return findings
@@ -90,20 +92,19 @@ def conduct(
 
 def _outcomes(
     study: Study, workshop: Workshop, worlds: Mapping[str, Sequence[int]]
-) -> Iterator[Outcome]:
-    """Outcomes by experiment and world: all that have several worlds side by side, without a pause
-    between two experiments; one with a single world has its own work spread instead."""
-    tasks = [
-        (study.experiments[name], seed)
-        for name, own in worlds.items()
-        if len(own) > 1
-        for seed in own
-    ]
+) -> Iterator[tuple[tuple[str, int], Outcome]]:
+    """Outcomes by experiment and world, long experiments first: in several worlds all side by
+    side, without a pause; in one world each by itself, its own work spread instead."""
+    names = [name for name in dict.fromkeys([*study.long, *worlds]) if name in worlds]
+    tasks = [(name, seed) for name in names for seed in worlds[name]]
+    if len({seed for _, seed in tasks}) < 2:
+        for name, seed in tasks:
+            yield (name, seed), study.experiments[name](workshop, seed)
+        return
     alone = replace(workshop, spread=Here())
-    side_by_side = iter(workshop.spread.ordered(partial(_in_world, alone), tasks))
-    for name, own in worlds.items():
-        for seed in own:
-            yield next(side_by_side) if len(own) > 1 else study.experiments[name](workshop, seed)
+    work = [(study.experiments[name], seed) for name, seed in tasks]
+    made = workshop.spread.ordered(partial(_in_world, alone), work)
+    yield from zip(tasks, made, strict=True)
 
 
 def _in_world(workshop: Workshop, task: tuple[Experiment, int]) -> Outcome:

@@ -7,10 +7,11 @@ what signatures and maps are made from (the log's bytes, the system's parameters
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import functools
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -69,8 +70,7 @@ class Workshop:
     def log(self, job: Job) -> Path:
         """Log of a run, simulated unless it is there already."""
         path = self._log_path(job)
-        if not path.exists():
-            record(job, path, spread=self.spread)
+        _once(path, lambda: record(job, path, spread=self.spread))
         return path
 
     def run(self, log: Path, choice: SystemChoice) -> Run:
@@ -78,12 +78,15 @@ class Workshop:
         system, preset = make_system(choice)
         params = msgspec.to_builtins(system.params)
         path = self._run_path(log, system)
-        if not path.exists():
+
+        def make() -> None:
             nowhere = Checkpoints(path, resume=False)
             made = extract(
                 [log], system, preset, LogOptions(), self.spread, lambda done: None, nowhere
             )
             write_signatures(path, made.header, made.table)
+
+        _once(path, make)
         header = {**read_header(path), "preset": preset, "params": params}
         return Run(header, read_signatures(path, system.RECORD, system.PARTS), system)
 
@@ -94,11 +97,14 @@ class Workshop:
         run = self.run(log, choice)
         key = [file_digest(log), run.system.NAME, run.header["params"], close_loops]
         path = self._kept("maps", f"{log.stem}-map", [*key, code_digest(BUILDING)], "h5")
-        if not path.exists():
+
+        def make() -> None:
             header, built = make_map(
                 run, [log], guided=False, close_loops=close_loops, advance=lambda done: None
             )
             write_map(path, header, built)
+
+        _once(path, make)
         header = {**read_header(path), "preset": run.header["preset"]}
         return header, read_map(path, run.system.RECORD, run.system.PARTS)
 
@@ -155,6 +161,18 @@ class Making:
         """Make what is missing, as far as it can be made."""
         with contextlib.suppress(LogError):
             self.shop.run(self.shop.log(job), self.choice)
+
+
+def _once(path: Path, make: Callable[[], object]) -> None:
+    """Make a file unless it is there; where another worker is making it, wait for that."""
+    if path.exists():
+        return
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):  # without locks: publishing tells what is wrong
+            handle = stack.enter_context(path.with_name(f".{path.name}.making").open("w"))
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        if not path.exists():
+            make()
 
 
 @functools.cache

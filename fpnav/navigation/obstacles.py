@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from fpnav.geometry import angular_distance
@@ -11,6 +13,7 @@ Obstacles = list[tuple[float, float]]
 """Bearing (rad) and proximity in [0, 1] of each, nearest first."""
 
 APART_RAD = np.deg2rad(20.0)
+LEVEL = 1e-9
 
 
 def obstacles_of(frame: Frame, reach_m: float, touch_m: float) -> Obstacles:
@@ -29,6 +32,21 @@ def obstacles_of(frame: Frame, reach_m: float, touch_m: float) -> Obstacles:
             found.append((float(bearings[row]), float(min(1.0, proximity))))
             open_to &= angular_distance(bearings, bearings[row]) > APART_RAD
     return found
+
+
+def grazing(heading_rad: float, obstacles: Obstacles) -> float | None:
+    """The heading nearest to the one given that leads no nearer to what is touched (proximity 1).
+
+    None where there is no such heading.
+    """
+    touched = np.array([bearing for bearing, proximity in obstacles if proximity >= 1.0])
+    along = np.concatenate([touched - math.pi / 2, touched + math.pi / 2])
+    tried = np.append(heading_rad, along)
+    leaves = (np.cos(tried[:, None] - touched) <= LEVEL).all(axis=1)
+    if not leaves.any():
+        return None
+    apart = np.where(leaves, angular_distance(tried, heading_rad), math.inf)
+    return float(tried[np.argmin(apart)])
 
 
 def _points(frame: Frame) -> FloatArray:

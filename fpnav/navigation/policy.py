@@ -13,7 +13,7 @@ from fpnav.geometry import wrap
 from fpnav.navigation.actions import Actions, Winner, actions_for
 from fpnav.navigation.base import HALT, Command, Decision, Task
 from fpnav.navigation.field import heading_of
-from fpnav.navigation.obstacles import obstacles_of
+from fpnav.navigation.obstacles import grazing, obstacles_of
 from fpnav.navigation.steering import SteeringParams, steer_to
 from fpnav.params import Tables, resolve
 from fpnav.store.maps import BuiltMap
@@ -124,6 +124,7 @@ class PlaceAction:
         if not obstacles:
             return steer_to(wanted, self._params, clear=self.decision.agreement)
         way = heading_of(wanted, obstacles)
+        way = None if way is None else grazing(way, obstacles)
         if way is None:
             return Command(0.0, math.copysign(self._params.turn_radps / 2.0, wanted))
         ahead = [close for bearing, close in obstacles if math.cos(bearing) > 0.7]

@@ -11,12 +11,14 @@ from fpnav.evaluation.fields import learned_activity, nearest_wins
 from fpnav.execution.stages import take
 from fpnav.execution.walk import Run
 from fpnav.experiments.giovannangeli.lines import (
+    OTHER_DAY,
     afternoon,
     choice,
     fields_on,
     guided_map,
     labelled,
     named,
+    other_day,
 )
 from fpnav.experiments.study import Outcome
 from fpnav.experiments.workshop import Workshop
@@ -35,12 +37,16 @@ def bounded(shop: Workshop, seed: int) -> Outcome:
     """P6: accuracy and memory over the number of landmarks a place keeps."""
     learn, test = (shop.log(job) for job in afternoon(shop, seed))
     asked = shop.run(test, choice("fig4c"))
+    later = shop.run(shop.log(other_day(shop, seed)), choice("fig4c"))
     metrics: list[Metric] = []
     for budget in BUDGETS:
         run = seen_again(shop.run(learn, choice("fig4c", budget=budget)))
         made = guided_map(run, learn)
         fields, memory = fields_on(made, asked), made[1].memory
         told = {KEPT: "bounded", 0: "plain"}.get(budget, f"of_{budget}")
+        if budget in (KEPT, 0):
+            won = nearest_wins(fields_on(made, later))
+            metrics.append(named(won, f"nearest_wins_{told}{OTHER_DAY}"))
         held = sum(memory[name].nbytes for name in ("pixels", "triplets", "cells"))
         count = len(np.unique(memory["triplets"]["landmark"]))
         metrics += [

@@ -9,6 +9,7 @@ from fpnav.execution.stages import locate_run, take
 from fpnav.execution.walk import Run, SystemChoice
 from fpnav.experiments.giovannangeli.lines import (
     LEARN,
+    OTHER_DAY,
     SAME_LAMPS,
     TEST,
     afternoon,
@@ -16,6 +17,7 @@ from fpnav.experiments.giovannangeli.lines import (
     guided_map,
     labelled,
     line_job,
+    other_day,
 )
 from fpnav.experiments.study import Outcome
 from fpnav.experiments.workshop import Workshop
@@ -42,10 +44,12 @@ def carried_off(shop: Workshop, seed: int) -> Outcome:
         line_job(shop, "room", seed, TEST, SAME_LAMPS),
     )
     outdoor = afternoon(shop, seed)
+    later = outdoor[0], other_day(shop, seed)
     found = {
         "recovered": recovered(shop, seed, *room, choice("fig3b")),
         "recovered_outdoor": recovered(shop, seed, *outdoor, choice("fig4c", qmax=0)),
         "recovered_outdoor_memory": recovered(shop, seed, *outdoor, choice("fig4c")),
+        f"recovered_outdoor{OTHER_DAY}": recovered(shop, seed, *later, choice("fig4c", qmax=0)),
     }
     metrics = [
         Metric(name, float(right.mean()), int(right.sum()), len(right))

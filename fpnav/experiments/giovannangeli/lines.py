@@ -1,4 +1,4 @@
-"""Place fields along a line: figures 3, 4 and 7, and how fields grow with the world."""
+"""Place fields along a line: figures 3 and 4, and how fields grow with the world."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from fpnav.evaluation.fields import (
     half_width_ratio,
     learned_activity,
     nearest_wins,
-    occlusion,
     peak_error,
     roughness_ratio,
     silent,
@@ -39,6 +38,10 @@ from fpnav.values import Metric
 
 LEARN, TEST = 1, 3
 """Runs: the line is driven once to learn and once more at the same time of day."""
+
+OTHER_DAY = "_other_day"
+"""Ending of the figures of a test under other light, beside those of the afternoon of the learning.
+The paper has none of them."""
 
 SCALES = (0.25, 0.5, 1.0, 2.0)
 """Sizes of the outdoor world; at 1 landmarks stand 10 to 50 m away."""
@@ -100,6 +103,7 @@ def short_term_memory(shop: Workshop, seed: int) -> Outcome:
     without = line(shop, learn, test, choice("fig4c", qmax=0))
     held = line(shop, learn, test, choice("fig4c"))
     window = line(shop, learn, test, choice("fig4c", stm="window"))
+    later = line(shop, learn, shop.log(other_day(shop, seed)), choice("fig4c"))
     metrics = [
         roughness_ratio(held, without),
         named(roughness_ratio(window, without), "roughness_ratio_window"),
@@ -108,6 +112,8 @@ def short_term_memory(shop: Workshop, seed: int) -> Outcome:
         nearest_wins(held),
         named(nearest_wins(without), "nearest_wins_without"),
         _diameter(held),
+        named(learned_activity(later), f"learned_activity{OTHER_DAY}"),
+        named(nearest_wins(later), f"nearest_wins{OTHER_DAY}"),
     ]
     pictures = [
         picture("without", "Figure 4b here: without extended memory", without),
@@ -130,29 +136,6 @@ def growing_fields(shop: Workshop, seed: int) -> Outcome:
         for scale, width in zip(scales, diameters, strict=True)
     ]
     return Outcome(metrics, (), {"preset": "fig4c", "scales": list(scales)})
-
-
-def occluded(shop: Workshop, seed: int) -> Outcome:
-    """B4, figure 7: half of the view hidden from the middle of the line on, eq. 3 and eq. 4."""
-    learn, free_log = (shop.log(job) for job in afternoon(shop, seed))
-    half = {"mask": {"share": 0.5, "from_share": 0.5}}
-    hidden_log = shop.log(afternoon(shop, seed, hidden=half)[1])
-    metrics: list[Metric] = []
-    pictures = []
-    for name, rho_l in (("", 0.25), ("_eq3", 1.0)):
-        chosen = choice("fig7b", focus=FOCUS, rho_l=rho_l, drop_hidden=True)
-        free, dark = (_inner(line(shop, learn, log, chosen)) for log in (free_log, hidden_log))
-        middle = float(free.position_m.mean())
-        ratio, winner = occlusion(dark, free, middle)
-        near = nearest_wins(dark.between(middle, np.inf))
-        metrics += [
-            named(ratio, f"occlusion_peak_ratio{name}"),
-            named(winner, f"occlusion_winner{name}"),
-            named(near, f"occlusion_nearest_wins{name}"),
-        ]
-        title = "Figure 7b here: eq. 4" if rho_l < 1.0 else "Figure 7a here: eq. 3"
-        pictures.append(picture(f"hidden{name}", title, dark, middle))
-    return Outcome(metrics, pictures, {"preset": "fig7b", "focus": FOCUS})
 
 
 def line(
@@ -210,12 +193,6 @@ def line_job(
     return job_of(world, "line", seed, run, sensors=sensors, tables=changed)
 
 
-def _inner(fields: Fields) -> Fields:
-    """Figure 7 has four places, those between the ends of the line."""
-    activity, learned = fields.activity[:, 1:-1], fields.learned_m[1:-1]
-    return Fields(fields.position_m, activity, learned)
-
-
 def afternoon(
     shop: Workshop,
     seed: int,
@@ -223,25 +200,33 @@ def afternoon(
     *,
     speed_mps: float = 0.0,
     step_m: float = 0.0,
-    hidden: Tables = NO_TABLES,
+    rig: Tables = NO_TABLES,
+    run: int = LEARN,
 ) -> tuple[Job, Job]:
     """The line outdoors driven to learn, and once more the same afternoon.
 
     Sun and clouds stay, as in figures 4 and 7; people have walked on, and noise is drawn anew.
-    ``speed_mps`` : of both drives; 0 = the route's, then AGAIN_MPS. ``step_m`` : of the second
+    ``speed_mps`` : of both drives; 0 = the route's, then AGAIN_MPS. ``step_m`` : of the second,
+    ``run`` its day. ``rig`` : what else is changed of what the robot carries
     """
-    learn: Tables = {**SAME_DAY, "capture": {"speed_mps": speed_mps}}
+    learn: Tables = {**SAME_DAY, **rig, "capture": {"speed_mps": speed_mps}}
     longer = {**SAME_DAY["world"], "line_m": LINE_M + 2.0 * BEFORE_M}
     again: Tables = {
         **SAME_DAY,
-        **hidden,
+        **rig,
         "world": longer,
         "capture": {"speed_mps": speed_mps or AGAIN_MPS},
     }
     return (
         line_job(shop, "outdoor", seed, LEARN, learn, 1.0, [sensor]),
-        line_job(shop, "outdoor", seed, LEARN, again, step_m, [sensor]),
+        line_job(shop, "outdoor", seed, run, again, step_m, [sensor]),
     )
+
+
+def other_day(shop: Workshop, seed: int) -> Job:
+    """The second drive on another day: other sun, clouds and shadows. Not in the paper, which
+    changes the light in figure 8 alone."""
+    return afternoon(shop, seed, run=TEST)[1]
 
 
 def _scaled(shop: Workshop, seed: int, scale: float, *, again: bool) -> Path:

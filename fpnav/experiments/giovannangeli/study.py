@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fpnav.experiments.giovannangeli import bounded, carried, lines, text, trips
+from fpnav.experiments.giovannangeli import bounded, carried, lines, occlusion, text, trips
 from fpnav.experiments.study import Study
 from fpnav.report.study import Claim, Heading
 
@@ -90,7 +90,7 @@ STUDY = Study(
         "B1": lines.soft_and_strict,
         "B2": lines.short_term_memory,
         "B3": lines.growing_fields,
-        "B4": lines.occluded,
+        "B4": occlusion.occluded,
         "B5": trips.homing_from_all_around,
         "B6": trips.closing_the_loop,
         "B7": carried.carried_off,
@@ -104,4 +104,5 @@ STUDY = Study(
     },
     together={"P6": bounded.over_budgets},
     most={"P1": 2, "P2": 2, "S": 1},
+    long=("S", "B6", "P1", "B5"),
 )

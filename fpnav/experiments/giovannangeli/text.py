@@ -16,13 +16,14 @@ from fpnav.evaluation.guidance import ends_home, follows, taught_along
 from fpnav.execution.stages import make_map
 from fpnav.execution.walk import Run
 from fpnav.experiments.giovannangeli.lines import (
-    FOCUS,
     LEARN,
     SAME_LAMPS,
     TEST,
     afternoon,
     choice,
     fields_on,
+    guided_map,
+    labelled,
     line,
     line_job,
     line_of,
@@ -52,17 +53,18 @@ THREE = ("place-1", "place-4", "place-6")
 THREE_S = 30.0
 """Time of a trip: between few places the way home is roundabout."""
 
-INNER = tuple(f"place-{k}" for k in range(2, 6))
-"""Places before and after which the camera has panned all the way."""
-
 DRIFT_DEG = 15.0
 """Largest error of the azimuth that builds up along the line."""
 
 VIGILANCE = (0.4, 0.5, 0.6)
 """Activities below which a new place is learned; the preset's is 0.5."""
 
-PAN_MPS, PAN_STEP_M = 100.0 / (20.0 * 60.0), 0.25
-"""Speed while the camera pans, that of figure 8: 100 m in 20 minutes; way between two sweeps."""
+PAN_MPS, PAN_S, PAN_STEP_M = 100.0 / (20.0 * 60.0), 0.12, 0.25
+"""Speed while the camera pans, that of figure 8: 100 m in 20 minutes; time between two views, and
+way between two sweeps."""
+
+STILL_S, STILL_STEP_M = 0.002, 0.2
+"""For static panoramas all views are taken on the spot: within 2 mm."""
 
 SILENT: dict[str, tuple[Any, ...]] = {
     "focus": (15, 30, 60),
@@ -135,14 +137,17 @@ def drifting(shop: Workshop, seed: int) -> Outcome:
 
 
 def partial_views(shop: Workshop, seed: int) -> Outcome:
-    """P5: fields from nine partial views that stream beside those of whole panoramas.
-
-    Both hold what the last two panoramas showed, as figure 8 does.
+    """P5: fields of one map while the robot goes on and nine partial views stream, beside those of
+    static panoramas of the same nine views. Both hold what the last two panoramas showed.
     """
-    whole = {"images": 1, "streaming": False, "qmax": 2}
-    panned = afternoon(shop, seed, "pan", speed_mps=PAN_MPS, step_m=PAN_STEP_M)
-    streamed = _inner_fields(shop, panned, {})
-    panorama = _inner_fields(shop, afternoon(shop, seed), whole)
+    learn, still = (shop.log(job) for job in afternoon_panned(shop, seed, STILL_S, STILL_STEP_M))
+    going = shop.log(afternoon_panned(shop, seed, PAN_S, PAN_STEP_M)[1])
+    static = choice("fig8", streaming=False, qmax=2)
+    header, built = guided_map(labelled(shop.run(learn, static)), learn)
+    panorama = _after_first(fields_on((header, built), shop.run(still, static)))
+    run = shop.run(going, choice("fig8"))
+    streaming = {**header, "params": run.header["params"]}
+    streamed = _after_first(fields_on((streaming, built), run))
     at = streamed.position_m
     beside = np.column_stack(
         [np.interp(at, panorama.position_m, column) for column in panorama.activity.T]
@@ -155,15 +160,20 @@ def partial_views(shop: Workshop, seed: int) -> Outcome:
     ]
     pictures = [
         picture("streamed", "Fields of partial views that stream", streamed),
-        picture("panorama", "Fields of whole panoramas", panorama),
+        picture("panorama", "Fields of static panoramas", panorama),
     ]
     return Outcome(metrics, pictures, {"preset": "fig8"})
 
 
-def _inner_fields(shop: Workshop, jobs: tuple[Job, Job], changes: dict[str, Any]) -> Fields:
-    """Fields of the inner places of a line, between the first and the last of them."""
-    learn, test = (shop.log(job) for job in jobs)
-    fields = line(shop, learn, test, choice("fig8", focus=FOCUS, **changes), INNER)
+def afternoon_panned(shop: Workshop, seed: int, period_s: float, step_m: float) -> tuple[Job, Job]:
+    """The two drives of an afternoon with the panning camera, ``period_s`` between two views."""
+    return afternoon(
+        shop, seed, "pan", speed_mps=PAN_MPS, step_m=step_m, rig={"pan": {"period_s": period_s}}
+    )
+
+
+def _after_first(fields: Fields) -> Fields:
+    """From the first to the last place: the camera has panned all the way by then."""
     return fields.between(0.0, float(fields.learned_m[-1]))
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fpnav.geometry import wrap_array
 from fpnav.systems.base import Features
@@ -47,25 +45,16 @@ def signatures(stream: Iterable[Image], params: PlacecellParams) -> Iterator[Sig
 def joined(images: Sequence[Image]) -> Signature:
     """The images, in order, as one panorama in the robot's frame at the last of them."""
     newest = images[-1][0]
-    rows = [
-        _seen_from(newest, reference, features["views"], len(images) - 1 - number)
-        for number, (reference, features) in enumerate(images)
-    ]
-    views = np.concatenate([np.zeros(0, VIEW), *rows])
+    counts = np.array([len(features["views"]) for _, features in images])
+    turns = np.array([_turn(reference, newest) for reference, _ in images], np.float32)
+    views = np.zeros(counts.sum(), VIEW)
+    for end, count, (_, features) in zip(np.cumsum(counts), counts, images, strict=True):
+        views[end - count : end] = features["views"]
+    views["image"] = np.repeat(np.arange(len(images))[::-1], counts)
+    views["bearing_rad"] = wrap_array(views["bearing_rad"] - np.repeat(turns, counts))
     pixels = np.concatenate([np.zeros(0, PIXEL), *(features["pixels"] for _, features in images)])
     record = np.array([(len(views), len(images))], RECORD)[0]
     return Signature(newest, record, {"views": views, "pixels": pixels})
-
-
-def _seen_from(
-    newest: Reference, reference: Reference, views: NDArray[Any], back: int
-) -> NDArray[Any]:
-    """Views of an earlier image with their bearings from the robot's present heading."""
-    rows = views.copy()
-    rows["image"] = back
-    turn = _turn(reference, newest)
-    rows["bearing_rad"] = wrap_array(rows["bearing_rad"] - turn)
-    return rows
 
 
 def _turn(first: Reference, second: Reference) -> float:

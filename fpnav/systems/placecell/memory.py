@@ -91,12 +91,12 @@ class PlacecellMemory:
         stream = self._resumed(trace)
         if len(places) == 0:
             return 1.0, stream
-        since = 0 if stream.places != len(places) else stream.since + 1
-        found, stream = self._asked(signature, None, stream)
-        stream = replace(stream, places=len(places), since=since)
         if self._params.spacing_m > 0.0:
             gone = signature.reference.travelled_m - self._began_m
             return float(gone >= self._params.spacing_m), stream
+        since = 0 if stream.places != len(places) else stream.since + 1
+        found, stream = self._asked(signature, None, stream)
+        stream = replace(stream, places=len(places), since=since)
         founder = np.argmax(self._neurons.cells["place"] == self._current)
         novelty = 1.0 - float(found.activity[found.cells == founder].sum())
         if since < self._params.refractory:
@@ -234,14 +234,14 @@ class PlacecellMemory:
         cells = None if allowed is None else allowed[neurons.wiring.column]
         headings = query_headings(signature.reference, neurons, params)
         views = views_of(signature, params)
-        now = excite(neurons, views, headings, params, cells)
         if not lasts(params):
-            return answer(neurons, now), stream
+            return answer(neurons, excite(neurons, views, headings, params, cells)), stream
         if params.stm == "literal":
-            headings = _one_heading(answer(neurons, now))
+            headings = _one_heading(
+                answer(neurons, excite(neurons, views, headings, params, cells))
+            )
         for part, fires in explorations(views, params, begun=stream.begun):
-            if part is not views:
-                now = excite(neurons, part, headings, params, cells)
+            now = excite(neurons, part, headings, params, cells)
             seen = at_best_heading(neurons, now)
             stream = remembered(stream, seen, fires=fires, params=params)
         heading = float(headings[0]) if headings is not None and len(headings) == 1 else math.nan
