@@ -77,6 +77,18 @@ def publish_bytes(path: Path, data: bytes, *, clobber: bool = True) -> None:
         handle.write(data)
 
 
+def publish_once(path: Path, make: Callable[[], object]) -> None:
+    """Have a file made unless it is there; where another worker is making it, wait for that."""
+    if path.exists():
+        return
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):  # without a lock: publishing tells what is wrong
+            handle = stack.enter_context(open(path.with_name(f".{path.name}.making"), "ab"))
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        if not path.exists():
+            make()
+
+
 def check_output(path: Path, *, inputs: Iterable[Path] = (), clobber: bool = True) -> None:
     """Refuse an impossible output before the work starts, not after 40 minutes.
 

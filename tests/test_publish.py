@@ -11,6 +11,7 @@ import stat
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -29,7 +30,7 @@ from helpers.faults import (
 )
 
 from fpnav.errors import FpnavError, UsageError
-from fpnav.publish import check_output, file_digest, publish, publish_bytes
+from fpnav.publish import check_output, file_digest, publish, publish_bytes, publish_once
 
 OLD, NEW = b"old and whole", b"new " * 5000
 DEAD = 2**22 + 1
@@ -362,3 +363,21 @@ def test_a_digest_is_that_of_the_bytes(tmp_path: Path) -> None:
     path = tmp_path / "abc"
     path.write_bytes(b"abc")
     assert file_digest(path).startswith("ba7816bf8f01cfea414140de5dae2223")
+
+
+def test_workers_that_share_a_file_make_it_once(tmp_path: Path) -> None:
+    path, made = tmp_path / "log", list[str]()
+
+    def make(name: str) -> None:
+        made.append(name)
+        time.sleep(0.2)
+        path.write_text(name)
+
+    workers = [
+        threading.Thread(target=publish_once, args=(path, partial(make, name))) for name in "ab"
+    ]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    assert made == [path.read_text()]

@@ -7,11 +7,10 @@ what signatures and maps are made from (the log's bytes, the system's parameters
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import functools
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -26,7 +25,7 @@ from fpnav.execution.spread import Here, Spread
 from fpnav.execution.stages import make_map
 from fpnav.execution.walk import LogOptions, Run, SystemChoice, extract, make_system
 from fpnav.params import NO_TABLES, Tables
-from fpnav.publish import file_digest
+from fpnav.publish import file_digest, publish_once
 from fpnav.sim.catalogue import Setting, default_rig, overrides_in
 from fpnav.sim.record import Job, record
 from fpnav.sim.rig import make_rig
@@ -70,7 +69,7 @@ class Workshop:
     def log(self, job: Job) -> Path:
         """Log of a run, simulated unless it is there already."""
         path = self._log_path(job)
-        _once(path, lambda: record(job, path, spread=self.spread))
+        publish_once(path, lambda: record(job, path, spread=self.spread))
         return path
 
     def run(self, log: Path, choice: SystemChoice) -> Run:
@@ -86,7 +85,7 @@ class Workshop:
             )
             write_signatures(path, made.header, made.table)
 
-        _once(path, make)
+        publish_once(path, make)
         header = {**read_header(path), "preset": preset, "params": params}
         return Run(header, read_signatures(path, system.RECORD, system.PARTS), system)
 
@@ -104,7 +103,7 @@ class Workshop:
             )
             write_map(path, header, built)
 
-        _once(path, make)
+        publish_once(path, make)
         header = {**read_header(path), "preset": run.header["preset"]}
         return header, read_map(path, run.system.RECORD, run.system.PARTS)
 
@@ -161,18 +160,6 @@ class Making:
         """Make what is missing, as far as it can be made."""
         with contextlib.suppress(LogError):
             self.shop.run(self.shop.log(job), self.choice)
-
-
-def _once(path: Path, make: Callable[[], object]) -> None:
-    """Make a file unless it is there; where another worker is making it, wait for that."""
-    if path.exists():
-        return
-    with contextlib.ExitStack() as stack:
-        with contextlib.suppress(OSError):  # without locks: publishing tells what is wrong
-            handle = stack.enter_context(path.with_name(f".{path.name}.making").open("w"))
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        if not path.exists():
-            make()
 
 
 @functools.cache

@@ -34,15 +34,15 @@ def obstacles_of(frame: Frame, reach_m: float, touch_m: float) -> Obstacles:
     return found
 
 
-def grazing(heading_rad: float, obstacles: Obstacles) -> float | None:
-    """The heading nearest to the one given that leads no nearer to what is touched (proximity 1).
+def grazing(heading_rad: float, obstacles: Obstacles, near: float = 1.0) -> float | None:
+    """The heading nearest to the one given that leads no closer to anything near.
 
-    None where there is no such heading.
+    ``near`` : proximity from which on; 1 = what the robot touches. None where there is no such
+    heading.
     """
-    touched = np.array([bearing for bearing, proximity in obstacles if proximity >= 1.0])
-    along = np.concatenate([touched - math.pi / 2, touched + math.pi / 2])
-    tried = np.append(heading_rad, along)
-    leaves = (np.cos(tried[:, None] - touched) <= LEVEL).all(axis=1)
+    close = np.array([bearing for bearing, proximity in obstacles if proximity >= near])
+    tried = np.concatenate([[heading_rad], close - math.pi / 2, close + math.pi / 2])
+    leaves = (np.cos(tried[:, None] - close) <= LEVEL).all(axis=1)
     if not leaves.any():
         return None
     apart = np.where(leaves, angular_distance(tried, heading_rad), math.inf)

@@ -23,6 +23,9 @@ from fpnav.values import Frame, Reference, Signature
 WINDOW = 36
 """Frames kept to assemble the newest signature from."""
 
+PASSING = 0.5
+"""Proximity at which the robot goes along what blocks its way."""
+
 
 class PlaceAction:
     """Policy: recognise a place, go in the direction attached to it, around what is in the way.
@@ -30,7 +33,8 @@ class PlaceAction:
     A place without a direction is where the task ends; the robot halts where that place is clearly
     more active than any other. While no place is recognised the last direction is kept by odometry
     for a while. Obstacles and direction are merged by a dynamic neural field; without obstacles the
-    field is not asked.
+    field is not asked. Where it finds no way the robot goes along what is in the way, on the side
+    it faces, and in any case it leaves what it touches.
     """
 
     def __init__(
@@ -124,7 +128,8 @@ class PlaceAction:
         if not obstacles:
             return steer_to(wanted, self._params, clear=self.decision.agreement)
         way = heading_of(wanted, obstacles)
-        way = None if way is None else grazing(way, obstacles)
+        goal, near = (wanted / 2.0, PASSING) if way is None else (way, 1.0)
+        way = grazing(goal, obstacles, near)
         if way is None:
             return Command(0.0, math.copysign(self._params.turn_radps / 2.0, wanted))
         ahead = [close for bearing, close in obstacles if math.cos(bearing) > 0.7]

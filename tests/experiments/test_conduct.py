@@ -64,6 +64,20 @@ def test_pictures_over_all_worlds_are_made_of_their_materials(tmp_path: Path) ->
         conduct(study(together={"T1": together}), shop(tmp_path), [1, 2, 3])
 
 
+def test_long_experiments_are_begun_first_and_told_in_order(tmp_path: Path) -> None:
+    begun: list[tuple[str, int]] = []
+
+    def noted(name: str, shop: Workshop, seed: int) -> Outcome:
+        begun.append((name, seed))
+        return counting(shop, seed)
+
+    experiments = {name: partial(noted, name) for name in ("T1", "T2", "T3")}
+    long_last = Study(HEADING, (), experiments, most={"T3": 1}, long=("T3", "T9"))
+    found = conduct(long_last, shop(tmp_path), [4, 5])
+    assert begun == [("T3", 4), ("T1", 4), ("T1", 5), ("T2", 4), ("T2", 5)]
+    assert [one.experiment for one in found if one.seed is None] == ["T1", "T2", "T3"]
+
+
 class Sent:
     """A spread that sends everything through pickle, as processes do."""
 

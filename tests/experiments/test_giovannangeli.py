@@ -12,10 +12,19 @@ import pytest
 from fpnav.experiments.giovannangeli import STUDY
 from fpnav.experiments.giovannangeli.bounded import BUDGETS, over_budgets, seen_again
 from fpnav.experiments.giovannangeli.carried import BETWEEN, JUMPS, jumping
-from fpnav.experiments.giovannangeli.lines import SMALL_STEP_M, afternoon, line_job
+from fpnav.experiments.giovannangeli.lines import (
+    FOCUS,
+    SMALL_STEP_M,
+    afternoon,
+    line_job,
+    other_day,
+)
+from fpnav.experiments.giovannangeli.occlusion import DISC_RAD, PRESET, RESERVE, seen
 from fpnav.experiments.giovannangeli.text import DRIFT_DEG, drifted
 from fpnav.experiments.giovannangeli.trips import success, within
 from fpnav.store.tables import ACTION, REFERENCE, Ragged, SignatureTable
+from fpnav.systems.placecell.assembly import RECORD
+from fpnav.systems.placecell.extract import VIEW
 from fpnav.values import Metric
 
 
@@ -87,6 +96,42 @@ def test_the_second_drive_of_an_afternoon_meets_no_place_when_it_was_learned() -
         (places + starts[0] - start) / speed for start, speed in zip(starts, speeds, strict=True)
     ]
     assert np.abs(met[0] - met[1]).min() >= 1.0
+
+
+def test_the_other_day_has_other_light_and_the_same_things() -> None:
+    shop = cast(Any, SimpleNamespace(small=False))
+    again, later = (job.setting.make() for job in (afternoon(shop, 1)[1], other_day(shop, 1)))
+    assert again.daylight != later.daylight
+    assert again.routes == later.routes
+    assert len(again.faces) == len(later.faces)
+
+
+def test_half_of_the_view_is_hidden_from_the_middle_of_the_drive_on() -> None:
+    views = np.zeros(RESERVE, VIEW)
+    views["bearing_rad"] = (2.4 * np.arange(RESERVE)) % (2 * math.pi) - math.pi
+    pixels = np.repeat(np.arange(RESERVE) % 256, PRESET.pixels).astype(np.uint8)
+    run = cast(Any, SimpleNamespace(header={}, table=seen_table(views, pixels, 4), system=None))
+    free, dark = seen(run).table, seen(run, hidden=True).table
+    for row in range(4):
+        assert len(free.parts["views"][row]) == FOCUS
+        hidden = dark.parts["views"][row]["bearing_rad"]
+        clear = (hidden < -DISC_RAD) & (hidden > DISC_RAD - math.pi)
+        assert clear.all() == (row >= 2)
+    last = dark.parts["views"][3]
+    assert dark.records["views"].tolist()[:3] == [FOCUS, FOCUS, len(last)]
+    kept = dark.parts["pixels"][3].reshape(-1, PRESET.pixels)[:, 0]
+    own = np.flatnonzero(np.isin(views["bearing_rad"], last["bearing_rad"]))
+    assert kept.tolist() == (own % 256).tolist()
+
+
+def seen_table(
+    views: np.ndarray[Any, Any], pixels: np.ndarray[Any, Any], count: int
+) -> SignatureTable:
+    parts = {
+        "views": Ragged.of([views] * count, VIEW),
+        "pixels": Ragged.of([pixels] * count, np.dtype(np.uint8)),
+    }
+    return SignatureTable(np.zeros(count, REFERENCE), np.zeros(count, RECORD), parts)
 
 
 def test_a_place_sees_the_panoramas_nearest_to_it_again_its_own_first() -> None:

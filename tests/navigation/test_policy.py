@@ -12,7 +12,7 @@ import pytest
 
 from fpnav.geometry import compose, distance
 from fpnav.navigation.base import HALT, Command
-from fpnav.navigation.obstacles import obstacles_of
+from fpnav.navigation.obstacles import grazing, obstacles_of
 from fpnav.navigation.policy import PlaceAction
 from fpnav.navigation.steering import SteeringParams, steer_to
 from fpnav.systems.base import Recall
@@ -145,6 +145,48 @@ def test_where_every_way_is_blocked_it_turns_on_the_spot() -> None:
     command = policy.act(frame(Pose2(0, 0, 0), scan=shut))
     assert command.linear_mps == 0.0
     assert command.angular_radps != 0.0
+
+
+@pytest.mark.parametrize(
+    ("heading", "obstacles", "wanted"),
+    [
+        (0.0, [(-58, 0.9)], 0.0),
+        (0.0, [(-58, 1.0)], 32.0),
+        (-120.0, [(-58, 1.0)], -148.0),
+        (0.0, [(120, 1.0)], 0.0),
+        (10.0, [(0, 1.0), (-30, 1.0)], 90.0),
+        (0.0, [(0, 1.0), (120, 1.0), (-120, 1.0)], None),
+    ],
+)
+def test_what_is_touched_is_left_along_its_side(
+    heading: float, obstacles: list[tuple[float, float]], wanted: float | None
+) -> None:
+    felt = [(math.radians(bearing), close) for bearing, close in obstacles]
+    found = grazing(math.radians(heading), felt)
+    if wanted is None:
+        assert found is None
+    else:
+        assert found is not None
+        assert math.degrees(found) == pytest.approx(wanted)
+
+
+def test_the_robot_passes_a_wall_that_stands_across_its_way() -> None:
+    policy = PlaceAction(Sees(), Places([Pose2(0, 0, 0)], 9.0), {0: 0.0}, SteeringParams())
+    pose = Pose2(-1.0, 0.05, 0.0)
+    for _ in range(80):
+        pose = moved(pose, policy.act(frame(pose, scan=wall(pose))))
+    assert pose.x_m > 1.0
+
+
+def wall(robot: Pose2) -> LaserScan:
+    """What a scan sees of a wall across x = 0 from y = -0.6 to 0.6."""
+    bearings = -math.pi + np.arange(360) * math.pi / 180
+    along = robot.heading_rad + bearings
+    with np.errstate(divide="ignore", invalid="ignore"):
+        away = -robot.x_m / np.cos(along)
+        met = (away > 0) & (np.abs(robot.y_m + away * np.sin(along)) <= 0.6)
+    ranges = np.where(met, away, 9.0).astype(np.float32)
+    return LaserScan(ranges, -math.pi, math.pi / 180, 0.05, 30.0)
 
 
 def test_a_sharp_turn_is_made_on_the_spot() -> None:
