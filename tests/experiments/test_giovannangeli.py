@@ -20,7 +20,15 @@ from fpnav.experiments.giovannangeli.lines import (
     other_day,
 )
 from fpnav.experiments.giovannangeli.occlusion import DISC_RAD, PRESET, RESERVE, seen
-from fpnav.experiments.giovannangeli.text import DRIFT_DEG, drifted
+from fpnav.experiments.giovannangeli.text import (
+    DRIFT_DEG,
+    PAN_S,
+    PAN_STEP_M,
+    STILL_S,
+    STILL_STEP_M,
+    afternoon_panned,
+    drifted,
+)
 from fpnav.experiments.giovannangeli.trips import success, within
 from fpnav.store.tables import ACTION, REFERENCE, Ragged, SignatureTable
 from fpnav.systems.placecell.assembly import RECORD
@@ -104,6 +112,19 @@ def test_the_other_day_has_other_light_and_the_same_things() -> None:
     assert again.daylight != later.daylight
     assert again.routes == later.routes
     assert len(again.faces) == len(later.faces)
+
+
+def test_static_panoramas_are_taken_on_the_spot_and_noise_is_another_one() -> None:
+    shop = cast(Any, SimpleNamespace(small=False))
+    still, going = (
+        afternoon_panned(shop, 1, period, step)[1].rig
+        for period, step in ((STILL_S, STILL_STEP_M), (PAN_S, PAN_STEP_M))
+    )
+    swept = [
+        rig.pan.period_s * (rig.pan.views - 1) * rig.capture.speed_mps for rig in (still, going)
+    ]
+    assert swept[0] < 0.002 < 0.05 < swept[1]
+    assert still.capture.step_m != going.capture.step_m  # noise goes by the number of the data set
 
 
 def test_half_of_the_view_is_hidden_from_the_middle_of_the_drive_on() -> None:

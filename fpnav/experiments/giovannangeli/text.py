@@ -17,6 +17,7 @@ from fpnav.execution.stages import make_map
 from fpnav.execution.walk import Run
 from fpnav.experiments.giovannangeli.lines import (
     LEARN,
+    OTHER_DAY,
     SAME_LAMPS,
     TEST,
     afternoon,
@@ -45,6 +46,8 @@ from fpnav.experiments.study import Outcome
 from fpnav.experiments.workshop import Workshop, job_of
 from fpnav.params import Tables
 from fpnav.sim.record import Job
+from fpnav.store.header import Header
+from fpnav.store.maps import BuiltMap
 from fpnav.values import Metric
 
 THREE = ("place-1", "place-4", "place-6")
@@ -65,6 +68,8 @@ way between two sweeps."""
 
 STILL_S, STILL_STEP_M = 0.002, 0.2
 """For static panoramas all views are taken on the spot: within 2 mm."""
+
+STATIC = choice("fig8", streaming=False, qmax=2)
 
 SILENT: dict[str, tuple[Any, ...]] = {
     "focus": (15, 30, 60),
@@ -140,23 +145,16 @@ def partial_views(shop: Workshop, seed: int) -> Outcome:
     """P5: fields of one map while the robot goes on and nine partial views stream, beside those of
     static panoramas of the same nine views. Both hold what the last two panoramas showed.
     """
-    learn, still = (shop.log(job) for job in afternoon_panned(shop, seed, STILL_S, STILL_STEP_M))
-    going = shop.log(afternoon_panned(shop, seed, PAN_S, PAN_STEP_M)[1])
-    static = choice("fig8", streaming=False, qmax=2)
-    header, built = guided_map(labelled(shop.run(learn, static)), learn)
-    panorama = _after_first(fields_on((header, built), shop.run(still, static)))
-    run = shop.run(going, choice("fig8"))
-    streaming = {**header, "params": run.header["params"]}
-    streamed = _after_first(fields_on((streaming, built), run))
-    at = streamed.position_m
-    beside = np.column_stack(
-        [np.interp(at, panorama.position_m, column) for column in panorama.activity.T]
-    )
-    rho = float(np.corrcoef(streamed.activity.ravel(), beside.ravel())[0, 1])
+    learn = shop.log(afternoon_panned(shop, seed, STILL_S, STILL_STEP_M)[0])
+    made = guided_map(labelled(shop.run(learn, STATIC)), learn)
+    streamed, panorama = _going_and_still(shop, seed, made, LEARN)
+    later = _going_and_still(shop, seed, made, TEST)
     metrics = [
-        Metric("field_correlation", rho, len(at), len(at)),
+        _likeness(streamed, panorama),
         named(nearest_wins(streamed), "nearest_wins_streamed"),
         named(nearest_wins(panorama), "nearest_wins_panorama"),
+        named(_likeness(*later), f"field_correlation{OTHER_DAY}"),
+        named(nearest_wins(later[0]), f"nearest_wins_streamed{OTHER_DAY}"),
     ]
     pictures = [
         picture("streamed", "Fields of partial views that stream", streamed),
@@ -165,11 +163,35 @@ def partial_views(shop: Workshop, seed: int) -> Outcome:
     return Outcome(metrics, pictures, {"preset": "fig8"})
 
 
-def afternoon_panned(shop: Workshop, seed: int, period_s: float, step_m: float) -> tuple[Job, Job]:
-    """The two drives of an afternoon with the panning camera, ``period_s`` between two views."""
-    return afternoon(
-        shop, seed, "pan", speed_mps=PAN_MPS, step_m=step_m, rig={"pan": {"period_s": period_s}}
+def _going_and_still(
+    shop: Workshop, seed: int, made: tuple[Header, BuiltMap], run: int
+) -> tuple[Fields, Fields]:
+    """Fields of a map on a run's day: of views that stream, and of static panoramas."""
+    header, built = made
+    still = shop.log(afternoon_panned(shop, seed, STILL_S, STILL_STEP_M, run)[1])
+    going = shop.log(afternoon_panned(shop, seed, PAN_S, PAN_STEP_M, run)[1])
+    asked = shop.run(going, choice("fig8"))
+    streaming = {**header, "params": asked.header["params"]}
+    return (
+        _after_first(fields_on((streaming, built), asked)),
+        _after_first(fields_on(made, shop.run(still, STATIC))),
     )
+
+
+def _likeness(fields: Fields, other: Fields) -> Metric:
+    """Correlation of activities at the same positions, those of the other between its samples."""
+    at = fields.position_m
+    beside = [np.interp(at, other.position_m, column) for column in other.activity.T]
+    rho = float(np.corrcoef(fields.activity.T.ravel(), np.ravel(beside))[0, 1])
+    return Metric("field_correlation", rho, len(at), len(at))
+
+
+def afternoon_panned(
+    shop: Workshop, seed: int, period_s: float, step_m: float, run: int = LEARN
+) -> tuple[Job, Job]:
+    """The two drives of the line with the panning camera, ``period_s`` between two views."""
+    rig: Tables = {"pan": {"period_s": period_s}}
+    return afternoon(shop, seed, "pan", speed_mps=PAN_MPS, step_m=step_m, rig=rig, run=run)
 
 
 def _after_first(fields: Fields) -> Fields:
