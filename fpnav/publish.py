@@ -81,9 +81,11 @@ def publish_once(path: Path, make: Callable[[], object]) -> None:
     """Have a file made unless it is there; where another worker is making it, wait for that."""
     if path.exists():
         return
+    lock = path.with_name(f".{path.name}.making")
     with contextlib.ExitStack() as stack:
         with contextlib.suppress(OSError):  # without a lock: publishing tells what is wrong
-            handle = stack.enter_context(open(path.with_name(f".{path.name}.making"), "ab"))
+            handle = stack.enter_context(open(lock, "ab"))
+            stack.callback(lock.unlink, missing_ok=True)
             fcntl.flock(handle, fcntl.LOCK_EX)
         if not path.exists():
             make()

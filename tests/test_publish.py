@@ -381,3 +381,4 @@ def test_workers_that_share_a_file_make_it_once(tmp_path: Path) -> None:
     for worker in workers:
         worker.join()
     assert made == [path.read_text()]
+    assert [entry.name for entry in tmp_path.iterdir()] == ["log"]
