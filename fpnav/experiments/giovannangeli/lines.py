@@ -230,7 +230,10 @@ def other_day(shop: Workshop, seed: int) -> Job:
 
 
 def _scaled(shop: Workshop, seed: int, scale: float, *, again: bool) -> Path:
-    """A line whose length, places, samples and speed grow with the world."""
+    """A line whose length, places, samples and speed grow with the world.
+
+    Nothing but the places is looked at to learn.
+    """
     length = LINE_M + (2.0 * BEFORE_M if again else 0.0)
     world = {
         **SAME_DAY["world"],
@@ -239,8 +242,8 @@ def _scaled(shop: Workshop, seed: int, scale: float, *, again: bool) -> Path:
         "spacing_m": 5.0 * scale,
         "line_step_m": 0.5 * scale,
     }
-    speed = {"speed_mps": 5.0 * AGAIN_MPS * scale} if again else {}
-    tables: Tables = {**SAME_DAY, "world": world, "capture": speed}
+    capture = {"speed_mps": 5.0 * AGAIN_MPS * scale} if again else {"step_m": 5.0 * scale}
+    tables: Tables = {**SAME_DAY, "world": world, "capture": capture}
     return shop.log(job_of("outdoor", "line", seed, LEARN, tables=tables))
 
 
