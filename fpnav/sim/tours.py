@@ -161,19 +161,24 @@ def wandering_way(
     target_m: float,
     reach_m: float,
 ) -> list[Point]:
-    """Another way through what is known: rooms in any order, either direction, other sides."""
+    """Another way through what is known: rooms in any order, either direction, other sides.
+
+    Where no room is known it goes to and fro along the backbone.
+    """
     at = float(rng.uniform(0.2, 0.8)) * reach_m
     way = [backbone.point(at)]
     queue: list[Stop] = []
     while length(way) < 1.08 * target_m:
         if not queue:
             queue = [stops[int(i)] for i in rng.permutation(len(stops))]
-        stop = queue.pop()
+        stop = queue.pop() if queue else None
         offset = _offset(backbone, rng)
-        if rng.random() < 0.3:
+        if stop is None or rng.random() < 0.3:
             turn = float(rng.uniform(0.3, reach_m))
             way += backbone.between(at, turn, offset)[1:]
             at = turn
+        if stop is None:
+            continue
         way += backbone.between(at, stop.at_m, offset)[1:]
         way += visit(
             backbone, stop, rng, points=int(rng.integers(2, 5)), offset_m=_offset(backbone, rng)

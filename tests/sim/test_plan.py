@@ -170,3 +170,10 @@ def test_the_corner_of_a_part_lies_in_that_part(part: int) -> None:
     blocks = Blocks(40.0, 22.0, 7)
     x, y = blocks.corner(part)
     assert blocks.part_at(x + 0.5, y + 0.5) == part
+
+
+def test_where_no_room_is_known_the_way_goes_to_and_fro_along_the_backbone() -> None:
+    hall = Backbone(((0.0, 0.0), (6.0, 0.0)))
+    way = tours.wandering_way(hall, [], generator(1), 20.0, hall.length_m)
+    assert tours.length(way) >= 20.0
+    assert all(-0.01 <= x <= 6.01 and abs(y) <= 0.26 for x, y in way)
