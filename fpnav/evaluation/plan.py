@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,21 +14,28 @@ from fpnav.values import FloatArray
 PASSING = ("added", "removed")
 """Kinds of listed changes that are no landmark: what differs from another run."""
 
+FRONT_M = 1.0
+"""How far to either side of a door its front reaches: to about the middle of a corridor."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
     """Rooms and what is of note between and in them.
 
     ``rooms`` : one (N, 2) polygon each; ``door_rooms`` : pairs of room numbers joined by a listed
-    door, open or not; ``landmarks`` (L, 2): open doors and listed changes that stay;
-    ``closed`` (D, 2): doors that were closed; ``walls`` (W, 2, 2) and ``openings`` (D, 2, 2),
-    where doors stand open in them, from end to end.
+    door, open or not; ``landmarks`` (L, 2): open doors and listed changes that stay; ``fronts``
+    (L, 2, 2): the way through each of those doors, ``FRONT_M`` to either side of it, from end to
+    end, and each change as a line of no length; ``closed`` (D, 2) and ``closed_fronts`` (D, 2, 2)
+    the same of doors that were closed; ``walls`` (W, 2, 2) and ``openings`` (D, 2, 2), where doors
+    stand open in them, from end to end.
     """
 
     rooms: tuple[FloatArray, ...]
     door_rooms: frozenset[tuple[int, int]]
     landmarks: FloatArray
+    fronts: FloatArray
     closed: FloatArray
+    closed_fronts: FloatArray
     walls: FloatArray
     openings: FloatArray
 
@@ -71,22 +78,33 @@ def _plan(world: Any) -> Plan | None:
         if any(room.ndim != 2 or room.shape[1] != 2 for room in rooms):
             return None
         pairs = [sorted(names[space] for space in door["spaces"]) for door in world["doors"]]
-        marks = [door for door in world["doors"] if door["open"]]
-        marks += [change for change in world["changes"] if change["kind"] not in PASSING]
-        joined = frozenset((a, b) for a, b in pairs)
-        landmarks = _points(marks)
-        closed = _points([door for door in world["doors"] if not door["open"]])
-        walls = np.array(world.get("walls", ()), dtype=np.float64).reshape(-1, 2, 2)
-        openings = [_opening(door) for door in world["doors"] if door["open"]]
+        opened = [door for door in world["doors"] if door["open"]]
+        shut = [door for door in world["doors"] if not door["open"]]
+        changes = _points([one for one in world["changes"] if one["kind"] not in PASSING])
+        return Plan(
+            rooms=rooms,
+            door_rooms=frozenset((a, b) for a, b in pairs),
+            landmarks=np.concatenate([_points(opened), changes]),
+            fronts=np.concatenate([_lines(opened, _front), np.stack([changes, changes], axis=1)]),
+            closed=_points(shut),
+            closed_fronts=_lines(shut, _front),
+            walls=np.array(world.get("walls", ()), dtype=np.float64).reshape(-1, 2, 2),
+            openings=_lines(opened, _opening),
+        )
     except (KeyError, TypeError, ValueError, AttributeError):
         return None
-    drawn = np.array(openings, dtype=np.float64).reshape(-1, 2, 2)
-    return Plan(rooms, joined, landmarks, closed, walls, drawn)
 
 
 def _points(marks: Sequence[Mapping[str, Any]]) -> FloatArray:
     found = [[mark["x_m"], mark["y_m"]] for mark in marks]
     return np.array(found, dtype=np.float64).reshape(-1, 2)
+
+
+def _lines(
+    doors: Sequence[Mapping[str, Any]], line: Callable[[Mapping[str, Any]], FloatArray]
+) -> FloatArray:
+    """A line of each door from end to end, (D, 2, 2)."""
+    return np.array([line(door) for door in doors], dtype=np.float64).reshape(-1, 2, 2)
 
 
 def _opening(door: Mapping[str, Any]) -> FloatArray:
@@ -95,3 +113,11 @@ def _opening(door: Mapping[str, Any]) -> FloatArray:
     across = half * np.array([-np.sin(along), np.cos(along)])
     middle = np.array([door["x_m"], door["y_m"]], dtype=np.float64)
     return np.array([middle - across, middle + across])
+
+
+def _front(door: Mapping[str, Any]) -> FloatArray:
+    """Ends of a door's front, along the way through it, (2, 2)."""
+    along = float(door["axis_rad"])
+    reach = FRONT_M * np.array([np.cos(along), np.sin(along)])
+    middle = np.array([door["x_m"], door["y_m"]], dtype=np.float64)
+    return np.array([middle - reach, middle + reach])

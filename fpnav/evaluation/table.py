@@ -19,12 +19,15 @@ from fpnav.evaluation.places import (
 from fpnav.evaluation.poses import field_rho, heading_error, position_error
 from fpnav.evaluation.precision import over_curve
 from fpnav.evaluation.ranking import decision_precision, new_place_recall, not_localized, recall_at
-from fpnav.evaluation.topology import (
+from fpnav.evaluation.starts import (
     node_precision,
+    node_precision_chance,
     node_recall,
+    node_recall_chance,
     nodes_at_closed_doors,
-    topology_equal,
+    nodes_at_closed_doors_chance,
 )
+from fpnav.evaluation.topology import topology_equal
 from fpnav.evaluation.transfer import carried_precision, carried_recall
 
 _DC = "; a wrong best match within 3 m and 90 degrees counts neither way"
@@ -84,6 +87,46 @@ def _carried(percent: int) -> dict[str, Entry]:
             f"Recall, threshold for {percent} % carried over",
             f"share of queries whose best match is right and accepted {where}",
             "right and accepted, of the queries with a match",
+        ),
+    }
+
+
+_ANYWHERE = "starts anywhere on the ground the mapping run drove for the first time"
+
+
+def _starting(suffix: str) -> dict[str, Entry]:
+    """Where places start, by the distance to a door itself or to its front, and by chance."""
+    front = suffix == "_front"
+    near = "1 m of a listed open door or change"
+    if front:
+        near = "1 m of a listed change or of the way through an open door, 1 m to either side of it"
+    title = ", before doors too" if front else ""
+    return {
+        f"node_precision{suffix}": Entry(
+            node_precision(front=front),
+            f"Places that start at something{title}",
+            f"share of places that start within {near}",
+            "places, of those that start along the way",
+        ),
+        f"node_precision{suffix}_chance": Entry(
+            node_precision_chance(front=front),
+            f"Places that start at something{title}, by chance",
+            f"the share expected of {_ANYWHERE}",
+            "mapping poses near enough, of those on new ground",
+            "neither",
+        ),
+        f"node_recall{suffix}": Entry(
+            node_recall(front=front),
+            f"Doors and changes that got a place{title}",
+            f"share of the doors and changes passed that a place starts at, within {near}",
+            "doors and changes, of those passed",
+        ),
+        f"node_recall{suffix}_chance": Entry(
+            node_recall_chance(front=front),
+            f"Doors and changes that got a place{title}, by chance",
+            f"the share expected of as many {_ANYWHERE}",
+            "doors and changes passed",
+            "neither",
         ),
     }
 
@@ -272,25 +315,22 @@ METRICS: dict[str, Entry] = {
         "drove between; spaces joined without a door are one room",
         "passages in both map and building, of those in either",
     ),
-    "node_precision": Entry(
-        node_precision,
-        "Places that start at something",
-        "share of places that start within 1 m of a listed open door or change of the world",
-        "places, of those that start along the way",
-    ),
-    "node_recall": Entry(
-        node_recall,
-        "Doors and changes that got a place",
-        "share of listed open doors and changes within 1 m of the mapping path at which a place "
-        "starts within 1 m",
-        "doors and changes, of those passed",
-    ),
+    **_starting(""),
+    **_starting("_front"),
     "nodes_at_closed_doors": Entry(
         nodes_at_closed_doors,
         "Places at closed doors",
-        "places that start within 1 m of a closed door and of nothing else that is listed",
+        "places that start within 1 m of the front of a closed door and of nothing else that is "
+        "listed; the front of a door is the way through it, 1 m to either side of it",
         "places, of those that start along the way",
         "lower",
+    ),
+    "nodes_at_closed_doors_chance": Entry(
+        nodes_at_closed_doors_chance,
+        "Places at closed doors, by chance",
+        f"their number expected of as many {_ANYWHERE}",
+        "places that start along the way",
+        "neither",
     ),
     "loop_precision": Entry(
         loop_precision,

@@ -1,4 +1,4 @@
-"""Does the map have the shape of the building, and do places start where something changes?"""
+"""Does the map have the shape of the building?"""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fpnav.evaluation.case import Case
-from fpnav.evaluation.measure import NO_MAP, NO_POSES, Absent, share
+from fpnav.evaluation.measure import NO_MAP, NO_POSES, Absent
 from fpnav.evaluation.plan import Plan, plan_of
-from fpnav.values import FloatArray, Metric
+from fpnav.values import Metric
 
-NEAR_M = 1.0
 _NO_PLAN = Absent("the mapping log carries no world.json: rooms, doors and changes are unknown")
 _LARGEST = 10**9
 
@@ -22,7 +21,7 @@ def topology_equal(name: str, case: Case) -> Metric | Absent:
     are one room. A place lies in the room of its centre. ``n`` of ``of``: passages in both of those
     in either; a room without a place counts as one passage missing.
     """
-    plan = _plan(case)
+    plan = plan_of_case(case)
     if isinstance(plan, Absent):
         return plan
     result = case.result
@@ -39,48 +38,18 @@ def topology_equal(name: str, case: Case) -> Metric | Absent:
     return Metric(name, float(same == either), same, either)
 
 
-def node_precision(name: str, case: Case) -> Metric | Absent:
-    """Share of places that start within 1 m of a listed open door or change.
-
-    The place a session starts in starts there for no reason of the world's and is left out.
-    """
-    plan = _plan(case)
-    if isinstance(plan, Absent):
-        return plan
-    starts = _starts(case)
-    if not len(starts) or not len(plan.landmarks):
-        return Absent("no place starts along the way, or nothing is listed")
-    near = np.array([bool((_away(plan.landmarks, start) <= NEAR_M).any()) for start in starts])
-    return share(name, near, np.ones(len(near), bool), block=1)
-
-
-def node_recall(name: str, case: Case) -> Metric | Absent:
-    """Share of listed open doors and changes, within 1 m of the mapping path, that got a place."""
-    plan = _plan(case)
-    if isinstance(plan, Absent):
-        return plan
-    path = case.result.references["truth"][:, :2]
-    passed = [mark for mark in plan.landmarks if (_away(path, mark) <= NEAR_M).any()]
-    if not passed:
-        return Absent("nothing that is listed lies within 1 m of the mapping path")
-    starts = _starts(case)
-    got = np.array([bool((_away(starts, mark) <= NEAR_M).any()) for mark in passed])
-    return share(name, got, np.ones(len(got), bool), block=1)
-
-
-def nodes_at_closed_doors(name: str, case: Case) -> Metric | Absent:
-    """Number of places that start within 1 m of a closed door, and of nothing else listed."""
-    plan = _plan(case)
-    if isinstance(plan, Absent):
-        return plan
-    starts = _starts(case)
-    caused = [
-        start
-        for start in starts
-        if (_away(plan.closed, start) <= NEAR_M).any()
-        and not (_away(plan.landmarks, start) <= NEAR_M).any()
-    ]
-    return Metric(name, float(len(caused)), len(caused), len(starts))
+def plan_of_case(case: Case) -> Plan | Absent:
+    """The plan a map can be compared with, or why there is none."""
+    if not case.has_map:
+        return NO_MAP
+    if np.isnan(case.result.references["truth"]).any(axis=1).all():
+        return NO_POSES
+    plan = plan_of(case.result.header)
+    if plan is None:
+        return _NO_PLAN
+    if len(plan.rooms) * len(case.result.references) > _LARGEST:
+        return Absent("the plan is too large to compare room by room")
+    return plan
 
 
 def one_room(plan: Plan, visited: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -92,19 +61,6 @@ def one_room(plan: Plan, visited: NDArray[np.int64]) -> NDArray[np.int64]:
         if a >= 0 and (a, b) not in plan.door_rooms:
             room[room == room[b]] = room[a]
     return room
-
-
-def _plan(case: Case) -> Plan | Absent:
-    if not case.has_map:
-        return NO_MAP
-    if np.isnan(case.result.references["truth"]).any(axis=1).all():
-        return NO_POSES
-    plan = plan_of(case.result.header)
-    if plan is None:
-        return _NO_PLAN
-    if len(plan.rooms) * len(case.result.references) > _LARGEST:
-        return Absent("the plan is too large to compare room by room")
-    return plan
 
 
 def _passages(rooms: NDArray[np.int64], session: NDArray[np.int32]) -> set[tuple[int, int]]:
@@ -120,18 +76,3 @@ def _pairs(first: list[int], second: list[int]) -> set[tuple[int, int]]:
     """Unordered pairs of different rooms, nowhere left out."""
     steps = zip(first, second, strict=True)
     return {(min(a, b), max(a, b)) for a, b in steps if a != b and min(a, b) >= 0}
-
-
-def _starts(case: Case) -> FloatArray:
-    """True positions where places start, those of a session's first row left out, (S, 2)."""
-    references = case.result.references
-    _, first = np.unique(case.result.owner, return_index=True)
-    opening = np.flatnonzero(np.diff(references["session"], prepend=-1))
-    rows = np.array(sorted(set(first.tolist()) - set(opening.tolist())), dtype=np.int64)
-    starts = references["truth"][rows, :2]
-    return np.asarray(starts[np.isfinite(starts).all(axis=1)])
-
-
-def _away(points: FloatArray, target: FloatArray) -> FloatArray:
-    away = points - target
-    return np.hypot(away[:, 0], away[:, 1])

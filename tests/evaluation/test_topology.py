@@ -112,6 +112,14 @@ def test_walls_stand_open_where_their_open_doors_are() -> None:
     np.testing.assert_allclose(plan.openings, [[[2.4, 2.0], [1.6, 2.0]]], atol=1e-12)
 
 
+def test_the_front_of_a_door_is_the_way_through_it() -> None:
+    plan = plan_of({"chain": [{"format": "fpnav/map", "chain": [{"worlds": [WORLD]}]}]})
+    assert plan is not None
+    change = [[4.0, 1.0], [4.0, 1.0]]
+    np.testing.assert_allclose(plan.fronts, [[[2.0, 1.0], [2.0, 3.0]], change], atol=1e-12)
+    np.testing.assert_allclose(plan.closed_fronts, [[[6.0, 1.0], [6.0, 3.0]]], atol=1e-12)
+
+
 def test_points_lie_in_the_room_around_them() -> None:
     plan = plan_of({"chain": [{"format": "fpnav/map", "chain": [{"worlds": [WORLD]}]}]})
     assert plan is not None

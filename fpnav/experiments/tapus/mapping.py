@@ -20,7 +20,10 @@ from fpnav.experiments.workshop import Workshop
 from fpnav.localization.locate import Method
 from fpnav.values import Metric
 
-PLACEMENT = ("node_precision", "node_recall", "nodes_at_closed_doors", "places")
+_STARTS = ("node_precision", "node_precision_front", "node_recall", "node_recall_front",
+           "nodes_at_closed_doors")  # fmt: skip
+PLACEMENT = (*(name for start in _STARTS for name in (start, f"{start}_chance")), "places")
+"""Where places start, each figure beside what chance gives."""
 
 
 def mapping_run(shop: Workshop, seed: int) -> Outcome:

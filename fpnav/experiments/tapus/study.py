@@ -37,6 +37,8 @@ HEADING = Heading(
     },
 )
 
+_ANYWHERE = "starts anywhere on ground driven for the first time"
+_FRONT = "the way through a door, 1 m to either side of it"
 _TOLERANT = "a neighbour counts within 0.5 m of the border"
 
 CLAIMS = (
@@ -46,10 +48,23 @@ CLAIMS = (
           meaning="places of one room merged = the visited part of the room graph"),
     Claim("A2", "node_precision", "nodes at doors or salient changes", "yes", least=0.8,
           meaning="places that start within 1 m of an open door or listed change"),
+    Claim("A2", "node_precision_chance", "the same by chance", "",
+          meaning=f"as many {_ANYWHERE}"),
     Claim("A2", "node_recall", "doors and changes get a node", "yes", least=0.8,
           meaning="of those within 1 m of the path"),
-    Claim("A2", "nodes_at_closed_doors", "no node at closed doors", "none", most=0.0,
-          meaning="starts within 1 m of a closed door and of nothing else listed"),
+    Claim("A2", "node_recall_chance", "the same by chance", "", meaning=f"as many {_ANYWHERE}"),
+    Claim("A2", "node_precision_front", "nodes at doors or changes, doors driven past too", "yes",
+          meaning=f"within 1 m of {_FRONT}, or of a listed change"),
+    Claim("A2", "node_precision_front_chance", "the same by chance", "",
+          meaning=f"as many {_ANYWHERE}"),
+    Claim("A2", "node_recall_front", "doors and changes, doors driven past too, get a node", "yes",
+          meaning="of those passed"),
+    Claim("A2", "node_recall_front_chance", "the same by chance", "",
+          meaning=f"as many {_ANYWHERE}"),
+    Claim("A2", "nodes_at_closed_doors", "no node in front of closed doors", "none", most=0.0,
+          meaning=f"starts within 1 m of {_FRONT}, closed, and of nothing else listed"),
+    Claim("A2", "nodes_at_closed_doors_chance", "the same by chance", "",
+          meaning=f"as many {_ANYWHERE}: more nodes than that would be caused by the doors"),
     Claim("A3", "place_accuracy_top1_tolerant", "matching alone finds the place", "81 %",
           least=0.81, meaning=f"best answer owns the nearest mapping pose; {_TOLERANT}"),
     Claim("A3", "place_accuracy_top1", "the same, strictly", "81 %",
