@@ -13,7 +13,7 @@ from benchmarks.timing import in_turn, show
 from fpnav.execution.checkpoint import Checkpoints
 from fpnav.execution.spread import Here
 from fpnav.execution.walk import LogOptions, SystemChoice, signatures_of
-from fpnav.localization.locate import frame_memory
+from fpnav.localization.recall import frame_memory
 
 LOG = Path(__file__).parents[1] / "sample_logs" / "office_map.mcap"
 QUERY = 40

@@ -26,7 +26,8 @@ from fpnav.execution.spread import Here
 from fpnav.execution.stages import locate_run, make_map
 from fpnav.execution.walk import Run, SystemChoice, make_system
 from fpnav.experiments.workshop import Workshop, job_of
-from fpnav.localization.locate import Method, recall_all
+from fpnav.localization.locate import Method
+from fpnav.localization.recall import recall_all
 from fpnav.logs.frames import open_log
 from fpnav.sensing.panorama import View, from_panorama, grey
 from fpnav.store.tables import Result

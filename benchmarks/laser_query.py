@@ -17,7 +17,7 @@ from statistics import median
 
 import numpy as np
 
-from fpnav.localization.locate import frame_memory
+from fpnav.localization.recall import frame_memory
 from fpnav.localization.verify import verified
 from fpnav.store.signatures import read_signatures
 from fpnav.systems.base import System

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from benchmarks import truth
 from benchmarks.real import FOLDER, Places, Run, missing, runs
-from fpnav.localization.locate import frame_memory
+from fpnav.localization.recall import frame_memory
 from fpnav.localization.recognize import past_candidates
 from fpnav.store.signatures import read_signatures
 from fpnav.store.tables import SignatureTable

@@ -12,8 +12,10 @@ from fpnav.execution.outcome import make_result, no_view, result_header, view_of
 from fpnav.execution.walk import Run, is_store
 from fpnav.localization.confidence import Confidence, mapping_confidence
 from fpnav.localization.filter import FilterParams
-from fpnav.localization.locate import Method, Spots, locate, recall_all, recall_spots
+from fpnav.localization.locate import Method, locate
+from fpnav.localization.recall import recall_all
 from fpnav.localization.recognize import past_candidates, recognize
+from fpnav.localization.spots import Along, along_spots, recall_spots
 from fpnav.mapping.build import build_map
 from fpnav.mapping.loops import LoopParams
 from fpnav.params import NO_TABLES, Tables, as_dict, resolve
@@ -130,7 +132,8 @@ def locate_by(
     queries, truth = with_truth(run.table, built.signatures, truth_file)
     if recall is None:
         recall = recall_run(system, built, queries, advance)
-    spots = _spots(system, built, params) if set(methods) - {Method.MATCH} else None
+    believed = bool(set(methods) - {Method.MATCH})
+    along = _along(system, built, queries, recall, params) if believed else None
     results = []
     for method in methods:
         answers = locate(
@@ -143,7 +146,7 @@ def locate_by(
             params=params,
             confidence=confidence,
             depth=RANKS,
-            spots=spots,
+            along=along,
         )
         by = None if method is Method.MATCH else as_dict(params)
         protocol = {**_thinning_of(run), "filter": by}
@@ -175,11 +178,20 @@ def recall_run(
     return recall_all(memory, queries, len(built.topomap), None, advance)
 
 
-def _spots(system: System, built: BuiltMap, params: FilterParams) -> Spots | None:
-    """How like each place the views along the mapping path are; None where there is no path."""
+def _along(
+    system: System,
+    built: BuiltMap,
+    queries: Sequence[Signature],
+    recall: Recall,
+    params: FilterParams,
+) -> Along | None:
+    """What a run says of the spots of the mapping path; None where there is no path."""
     memory = system.memory()
     memory.load(built.memory)
-    return recall_spots(memory, built.topomap, built.signatures, params)
+    spots = recall_spots(memory, built.topomap, built.signatures, params)
+    if spots is None:
+        return None
+    return along_spots(system, built.topomap, built.signatures, queries, recall, spots, params)
 
 
 def recognize_run(

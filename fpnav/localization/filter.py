@@ -20,6 +20,7 @@ from fpnav.topomap.graph import TopoMap
 from fpnav.values import FloatArray, Place, Reference
 
 Kappa = Annotated[float, msgspec.Meta(ge=0, le=100)]
+Asked = Annotated[int, msgspec.Meta(ge=0)]
 
 
 class FilterParams(Params, frozen=True):
@@ -39,8 +40,11 @@ class FilterParams(Params, frozen=True):
     spread_m : how far off a step between spots may be
     astray : probability that a heading says nothing of where the robot goes
     profile : nats between profiles of likeness that agree and such that have nothing in common;
-        of a place's own likelihood counts the plain value then. All found on the test runs of
-        office seeds 11 to 13
+        of a place's own likelihood counts the plain value then
+    asked : spots, the likeliest by profiles, whose own views in the mapping run are compared;
+        0 = none
+    seen : nats between the best of these and one less like by as much as scores along the mapping
+        path differ. These five found on the test runs of office seeds 11 to 13
     decode : what ``--method smooth`` answers, the most likely place of each step (posterior) or
         the places of the single most likely path (viterbi)
     """
@@ -55,9 +59,11 @@ class FilterParams(Params, frozen=True):
     power: NotNegative = 2.0
     along_path: bool = True
     spot_m: Positive = 0.12
-    spread_m: Positive = 0.25
+    spread_m: Positive = 0.5
     astray: Share = 0.1
-    profile: NotNegative = 20.0
+    profile: NotNegative = 10.0
+    asked: Asked = 40
+    seen: NotNegative = 6.0
     decode: Literal["posterior", "viterbi"] = "posterior"
 
 

@@ -6,7 +6,7 @@ in the ranking.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -24,14 +24,13 @@ from fpnav.localization.filter import (
     most_likely_path,
     smooth_belief,
 )
-from fpnav.localization.path import PathSteps, make_path, path_likelihood, spots_of
+from fpnav.localization.recall import by_place, frame_memory, recall_all
+from fpnav.localization.spots import Along
 from fpnav.localization.verify import Checked, places_by_check, verified
-from fpnav.systems.base import Memory, Recall, System, Trace
+from fpnav.systems.base import Memory, Recall, System
 from fpnav.topomap.graph import TopoMap
 from fpnav.values import FloatArray, Signature
 
-Advance = Callable[[int], None]
-BLOCK = 64
 LARGEST_BELIEF = 20_000_000
 
 CHECKED_PLACES, CHECKED_MEMBERS = 25, 200
@@ -62,62 +61,6 @@ class Answers:
     covariance: FloatArray
 
 
-def recall_all(
-    memory: Memory,
-    queries: Sequence[Signature],
-    k: int,
-    allowed: Callable[[int, int], NDArray[np.bool_]] | None,
-    advance: Advance,
-) -> Recall:
-    """Recall in blocks, the trace carried along.
-
-    ``allowed(start, stop)`` gives the (stop - start, P) mask of a block of queries.
-    """
-    answers = list(_recall_blocks(memory, queries, k, allowed, advance))
-    return Recall(
-        np.concatenate([answer.places for answer in answers]),
-        np.concatenate([answer.scores for answer in answers]),
-        np.concatenate([answer.headings_rad for answer in answers]),
-    )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Spots:
-    """Spots of the mapping path: ``rows`` (C,) of the map's signatures and their ``profiles``
-    (C, P), scores at all places, ids ascending."""
-
-    rows: NDArray[np.int64]
-    profiles: FloatArray
-
-
-def recall_spots(
-    memory: Memory, topomap: TopoMap, mapped: Sequence[Signature], params: FilterParams
-) -> Spots | None:
-    """How like each place the views along the mapping path are; None where there is no path."""
-    rows = spots_of(topomap, mapped, params)
-    if not len(rows):
-        return None
-    views = [mapped[int(row)] for row in rows]
-    recall = recall_all(memory, views, len(topomap), None, lambda done: None)
-    return Spots(rows, by_place(recall, topomap.ids)[0])
-
-
-def _recall_blocks(
-    memory: Memory,
-    queries: Sequence[Signature],
-    k: int,
-    allowed: Callable[[int, int], NDArray[np.bool_]] | None,
-    advance: Advance,
-) -> Iterator[Recall]:
-    trace: Trace = None
-    for start in range(0, max(1, len(queries)), BLOCK):
-        stop = min(start + BLOCK, len(queries))
-        mask = None if allowed is None else allowed(start, stop)
-        answer, trace = memory.recall([queries[i] for i in range(start, stop)], k, mask, trace)
-        yield answer
-        advance(stop - start)
-
-
 def locate(
     system: System,
     topomap: TopoMap,
@@ -129,7 +72,7 @@ def locate(
     params: FilterParams,
     confidence: Confidence,
     depth: int,
-    spots: Spots | None = None,
+    along: Along | None = None,
 ) -> Answers:
     """Locate a run on a map; matches are ordered by the system's geometric check, if it has one.
 
@@ -138,14 +81,14 @@ def locate(
     mapped : the map's signatures, which the places' members index
     recall : all places ranked for each query, as ``recall_all`` gives
     depth : ranks kept per query
-    spots : of the mapping path, as ``recall_spots`` gives; None = belief over places alone
+    along : the run along the mapping path, as ``along_spots`` gives; None = belief over places
     """
     if method is Method.MATCH:
         belief = np.zeros((len(queries), 0))
         ranked, stated = recall, confidence.stated(recall.scores[:, 0])
         decided = stated >= 0.5
     else:
-        belief, path = _belief(system, topomap, mapped, queries, recall, spots, method, params)
+        belief, path = _belief(system, topomap, queries, recall, along, method, params)
         ranked = _ranked_by(belief, path, recall, topomap.ids)
         stated = ranked.scores[:, 0]
         limit = params.entropy_share * np.log(max(2, len(topomap)))
@@ -224,28 +167,23 @@ def _by_check(
 def _belief(
     system: System,
     topomap: TopoMap,
-    mapped: Sequence[Signature],
     queries: Sequence[Signature],
     recall: Recall,
-    spots: Spots | None,
+    along: Along | None,
     method: Method,
     params: FilterParams,
 ) -> tuple[FloatArray, NDArray[np.int64] | None]:
     """Belief over places, (Q, P), and the most likely path through them where asked for."""
-    scores, headings = by_place(recall, topomap.ids)
-    likelihood = system.likelihood(scores)
-    references = [query.reference for query in queries]
+    likelihood: FloatArray
     steps: Sequence[Step]
-    if spots is None:
+    if along is None:
+        scores, headings = by_place(recall, topomap.ids)
         column = np.arange(len(topomap))
-        likelihood = likelihood**params.power
+        likelihood = system.likelihood(scores) ** params.power
+        references = [query.reference for query in queries]
         steps = make_steps(Transitions.of(topomap, params), references, headings)
     else:
-        path = make_path(topomap, mapped, spots.rows, spots.profiles, references, params)
-        column = path.column
-        likelihood = path_likelihood(path, spots.profiles, scores, likelihood, params.profile)
-        likelihood[:1] /= np.bincount(column)[column]  # at first all places are as likely
-        steps = PathSteps(path, references, headings, params)
+        column, likelihood, steps = along.path.column, along.likelihood, along.steps
     if method is Method.FILTER:
         return _over_places(filter_belief(likelihood, steps), column, len(topomap)), None
     way = most_likely_path(likelihood, steps) if params.decode == "viterbi" else None
@@ -259,17 +197,6 @@ def _over_places(belief: FloatArray, column: NDArray[np.int64], places: int) -> 
     for state, place in enumerate(column.tolist()):
         out[:, place] += belief[:, state]
     return out
-
-
-def by_place(recall: Recall, ids: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
-    """Scores and headings as (Q, P) over ascending place ids; -inf and NaN where not ranked."""
-    shape = (len(recall.places), len(ids))
-    scores, headings = np.full(shape, -np.inf), np.full(shape, np.nan)
-    rows, ranks = np.nonzero(recall.places >= 0)
-    columns = np.searchsorted(ids, recall.places[rows, ranks])
-    scores[rows, columns] = recall.scores[rows, ranks]
-    headings[rows, columns] = recall.headings_rad[rows, ranks]
-    return scores, headings
 
 
 def _ranked_by(
@@ -307,15 +234,6 @@ def _best_members(
         return np.array(known, dtype=np.bool_).reshape(len(asked), len(owner))
 
     return recall_all(memory, queries, k, allowed, lambda done: None)
-
-
-def frame_memory(system: System, signatures: Sequence[Signature]) -> Memory:
-    """A memory in which every signature is a place of its own, its id the row."""
-    memory = system.memory()
-    memory.fit(signatures)
-    for row, signature in enumerate(signatures):
-        memory.learn(row, signature)
-    return memory
 
 
 def _none(queries: int) -> NDArray[np.float32]:

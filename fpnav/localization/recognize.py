@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from fpnav.errors import LogError
 from fpnav.localization.confidence import Confidence, fit_confidence
 from fpnav.localization.frames import smoothed_frames
-from fpnav.localization.locate import Advance, Answers, Method, frame_memory, recall_all
+from fpnav.localization.locate import Answers, Method
+from fpnav.localization.recall import Advance, frame_memory, recall_all
 from fpnav.localization.sequence import smoothed
 from fpnav.localization.verify import checked_scores, unchecked, verified
 from fpnav.store.tables import SignatureTable

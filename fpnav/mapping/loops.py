@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from fpnav.geometry import wrap
 from fpnav.localization.filter import FilterParams, Step, Transitions, make_steps
-from fpnav.localization.locate import by_place, recall_all
+from fpnav.localization.recall import by_place, recall_all
 from fpnav.mapping.places import learned, make_edges, make_places, runs_of
 from fpnav.mapping.returns import merge_returns
 from fpnav.params import Params

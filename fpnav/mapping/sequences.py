@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fpnav.geometry import wrap_array
-from fpnav.localization.locate import by_place, recall_all
+from fpnav.localization.recall import by_place, recall_all
 from fpnav.mapping.loops import LoopParams, renumbered, returned
 from fpnav.mapping.places import learned, make_edges, make_places
 from fpnav.systems.base import System

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from fpnav.localization import locate as module
 from fpnav.localization.confidence import Confidence
 from fpnav.localization.filter import FilterParams
-from fpnav.localization.locate import Answers, Method, by_place, frame_memory, locate, recall_all
+from fpnav.localization.locate import Answers, Method, locate
+from fpnav.localization.recall import by_place, frame_memory, recall_all
 from fpnav.mapping.build import Built, build_map
 from fpnav.systems.base import Recall
 from fpnav.topomap.graph import TopoMap

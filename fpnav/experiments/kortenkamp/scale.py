@@ -14,7 +14,7 @@ from fpnav.experiments.kortenkamp.tours import NEAR, TEST, Traversal, choice, jo
 from fpnav.experiments.study import Outcome
 from fpnav.experiments.workshop import Workshop
 from fpnav.localization.filter import FilterParams, Transitions, filter_belief, make_steps
-from fpnav.localization.locate import by_place, recall_all
+from fpnav.localization.recall import by_place, recall_all
 from fpnav.params import Tables
 from fpnav.store.maps import BuiltMap
 from fpnav.systems.gateway.params import LATE, PRESETS
