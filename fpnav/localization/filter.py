@@ -41,8 +41,8 @@ class FilterParams(Params, frozen=True):
     astray : probability that a heading says nothing of where the robot goes
     profile : nats between profiles of likeness that agree and such that have nothing in common;
         of a place's own likelihood counts the plain value then
-    asked : spots, the likeliest by profiles, whose own views in the mapping run are compared;
-        0 = none
+    asked : spots whose own views in the mapping run are compared, those a first belief by profiles
+        finds likeliest, and half as many by the view alone; 0 = none
     seen : nats between the best of these and one less like by as much as scores along the mapping
         path differ. These five found on the test runs of office seeds 11 to 13
     decode : what ``--method smooth`` answers, the most likely place of each step (posterior) or

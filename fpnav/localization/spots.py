@@ -2,8 +2,9 @@
 
 The map's memory tells a spot by its profile, how like each place the view there was. A mean of a
 place cannot tell two tracks side by side in one room; the fingerprints that were fused in it can.
-So a first belief, from the profiles, names the few spots the robot may be at, and the view is
-compared with those that the mapping run had there.
+So a first belief, from the profiles, names the few spots the robot may be at, the view alone some
+more where a robot set down elsewhere may be, and the view is compared with those that the mapping
+run had there.
 """
 
 from __future__ import annotations
@@ -75,7 +76,8 @@ def along_spots(
     rough = Along(path, likelihood, PathSteps(path, references, headings, params))
     if params.asked == 0 or params.seen <= 0.0 or not len(queries):
         return rough
-    likely = _likely(filter_belief(likelihood, rough.steps), params.asked)
+    by_belief = _likely(filter_belief(likelihood, rough.steps), params.asked)
+    likely = by_belief | _likely(likelihood, params.asked // 2)
     views = frame_scores(system, mapped, queries, spots.rows, likely)
     told = view_likelihood(views, spread(spots.profiles), params.seen)
     return replace(rough, likelihood=likelihood * told)

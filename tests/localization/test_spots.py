@@ -91,3 +91,11 @@ def test_the_spread_leaves_out_what_is_rare() -> None:
     scores = np.concatenate([np.linspace(0.0, 1.0, 1001), [np.nan, -np.inf]])
     assert spread(scores) == pytest.approx(0.95)
     assert spread(np.full(3, np.nan)) == 0.0
+
+
+def test_a_robot_set_down_elsewhere_is_looked_for_by_its_view() -> None:
+    """By belief alone it would be sought where it was, and 17 be told from no other spot there."""
+    queries = [seen_at(row, index) for index, row in enumerate([*range(8), 17])]
+    told = along(queries, asked=8, kidnap=1e-12).likelihood[-1]
+    assert told.argmax() == 17
+    assert told[17] > 10.0 * told[16]
