@@ -3,7 +3,8 @@
 States are the spots of the mapping run, each within its place. A step moves the belief by what
 odometry says, turned into the map by the heading the alignment gives, and a spot is told by how
 like each place the robot's view is: that profile changes within a place as well, and the mapping
-run shows it at every spot. The belief over places is the sum over their spots.
+run shows it at every spot; fpnav.localization.spots then compares the views at the likeliest. The
+belief over places is the sum over their spots.
 """
 
 from __future__ import annotations
