@@ -93,24 +93,32 @@ def node_recall_chance(*, front: bool = False) -> Measure:
     return measure
 
 
-def nodes_at_closed_doors(name: str, case: Case) -> Metric | Absent:
-    """Number of places that start within 1 m of the front of a closed door, and of nothing else."""
-    met = _met(case, front=True)
-    if isinstance(met, Absent):
-        return met
-    count = int(met.closed_starts.sum())
-    return Metric(name, float(count), count, len(met.starts))
+def nodes_at_closed_doors(*, front: bool = False) -> Measure:
+    """Number of places that start within 1 m of a closed door, and of nothing else listed."""
+
+    def measure(name: str, case: Case) -> Metric | Absent:
+        met = _met(case, front)
+        if isinstance(met, Absent):
+            return met
+        count = int(met.closed_starts.sum())
+        return Metric(name, float(count), count, len(met.starts))
+
+    return measure
 
 
-def nodes_at_closed_doors_chance(name: str, case: Case) -> Metric | Absent:
+def nodes_at_closed_doors_chance(*, front: bool = False) -> Measure:
     """Their number expected of as many starts anywhere on new ground."""
-    met = _met(case, front=True)
-    if isinstance(met, Absent):
-        return met
-    if not len(met.ground):
-        return _NOTHING
-    expected = float(met.closed_ground.mean()) * len(met.starts)
-    return Metric(name, expected, len(met.starts), len(met.starts))
+
+    def measure(name: str, case: Case) -> Metric | Absent:
+        met = _met(case, front)
+        if isinstance(met, Absent):
+            return met
+        if not len(met.ground):
+            return _NOTHING
+        expected = float(met.closed_ground.mean()) * len(met.starts)
+        return Metric(name, expected, len(met.starts), len(met.starts))
+
+    return measure
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -97,9 +97,10 @@ _ANYWHERE = "starts anywhere on the ground the mapping run drove for the first t
 def _starting(suffix: str) -> dict[str, Entry]:
     """Where places start, by the distance to a door itself or to its front, and by chance."""
     front = suffix == "_front"
-    near = "1 m of a listed open door or change"
+    near, closed = "1 m of a listed open door or change", "a closed door"
     if front:
         near = "1 m of a listed change or of the way through an open door, 1 m to either side of it"
+        closed = "the way through a closed door, 1 m to either side of it,"
     title = ", before doors too" if front else ""
     return {
         f"node_precision{suffix}": Entry(
@@ -126,6 +127,20 @@ def _starting(suffix: str) -> dict[str, Entry]:
             f"Doors and changes that got a place{title}, by chance",
             f"the share expected of as many {_ANYWHERE}",
             "doors and changes passed",
+            "neither",
+        ),
+        f"nodes_at_closed_doors{suffix}": Entry(
+            nodes_at_closed_doors(front=front),
+            f"Places at closed doors{', driven past too' if front else ''}",
+            f"places that start within 1 m of {closed} and of nothing else that is listed",
+            "places, of those that start along the way",
+            "lower",
+        ),
+        f"nodes_at_closed_doors{suffix}_chance": Entry(
+            nodes_at_closed_doors_chance(front=front),
+            f"Places at closed doors{', driven past too' if front else ''}, by chance",
+            f"their number expected of as many {_ANYWHERE}",
+            "places that start along the way",
             "neither",
         ),
     }
@@ -317,21 +332,6 @@ METRICS: dict[str, Entry] = {
     ),
     **_starting(""),
     **_starting("_front"),
-    "nodes_at_closed_doors": Entry(
-        nodes_at_closed_doors,
-        "Places at closed doors",
-        "places that start within 1 m of the front of a closed door and of nothing else that is "
-        "listed; the front of a door is the way through it, 1 m to either side of it",
-        "places, of those that start along the way",
-        "lower",
-    ),
-    "nodes_at_closed_doors_chance": Entry(
-        nodes_at_closed_doors_chance,
-        "Places at closed doors, by chance",
-        f"their number expected of as many {_ANYWHERE}",
-        "places that start along the way",
-        "neither",
-    ),
     "loop_precision": Entry(
         loop_precision,
         "Loops that are loops",

@@ -39,7 +39,7 @@ FEW = 60
 """Below this many queries with a match the page says that figures are shaky."""
 
 _UNITS = {"m": "m", "deg": "\u00b0"}
-_WHOLE = ("places", "nodes_at_closed_doors", "data_sets")
+_WHOLE = ("places", "nodes_at_closed_doors", "nodes_at_closed_doors_front", "data_sets")
 
 
 def title_of(name: str) -> str:

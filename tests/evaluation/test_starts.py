@@ -68,13 +68,30 @@ def test_a_change_has_no_front() -> None:
 
 def test_a_start_in_front_of_a_closed_door_is_at_one() -> None:
     closed = world(door(2.0, is_open=False))
-    assert figure(measured(closed, starting_at(4), ALONG), "nodes_at_closed_doors") == (1.0, 1, 1)
-    assert figure(measured(closed, starting_at(7), ALONG), "nodes_at_closed_doors") == (0.0, 0, 1)
+    assert figure(measured(closed, starting_at(4), ALONG), "nodes_at_closed_doors_front") == (
+        1.0,
+        1,
+        1,
+    )
+    assert figure(measured(closed, starting_at(7), ALONG), "nodes_at_closed_doors_front") == (
+        0.0,
+        0,
+        1,
+    )
+
+
+def test_a_closed_door_itself_is_out_of_reach_from_the_middle_of_a_corridor() -> None:
+    closed = measured(world(door(2.0, is_open=False)), starting_at(4), ALONG)
+    assert figure(closed, "nodes_at_closed_doors") == (0.0, 0, 1)
 
 
 def test_a_start_between_an_open_and_a_closed_door_has_a_reason() -> None:
     both = world(door(2.0, is_open=False), door(2.5))
-    assert figure(measured(both, starting_at(4), ALONG), "nodes_at_closed_doors") == (0.0, 0, 1)
+    assert figure(measured(both, starting_at(4), ALONG), "nodes_at_closed_doors_front") == (
+        0.0,
+        0,
+        1,
+    )
 
 
 @pytest.mark.parametrize("name", ["node_precision_front", "node_recall_front"])
@@ -89,10 +106,10 @@ def test_chance_is_the_mean_over_all_starts(name: str) -> None:
 def test_chance_of_closed_doors_is_the_mean_over_all_starts() -> None:
     closed = world(door(2.0, is_open=False), door(7.0))
     found = [measured(closed, starting_at(row), ALONG) for row in range(1, len(ALONG))]
-    mean = np.mean([one.metrics["nodes_at_closed_doors"].value for one in found])
+    mean = np.mean([one.metrics["nodes_at_closed_doors_front"].value for one in found])
     assert mean == pytest.approx(3 / 15)
     for one in found:
-        assert one.metrics["nodes_at_closed_doors_chance"].value == pytest.approx(mean)
+        assert one.metrics["nodes_at_closed_doors_front_chance"].value == pytest.approx(mean)
 
 
 def test_more_starts_meet_more_by_chance() -> None:

@@ -21,7 +21,7 @@ from fpnav.localization.locate import Method
 from fpnav.values import Metric
 
 _STARTS = ("node_precision", "node_precision_front", "node_recall", "node_recall_front",
-           "nodes_at_closed_doors")  # fmt: skip
+           "nodes_at_closed_doors", "nodes_at_closed_doors_front")  # fmt: skip
 PLACEMENT = (*(name for start in _STARTS for name in (start, f"{start}_chance")), "places")
 """Where places start, each figure beside what chance gives."""
 
