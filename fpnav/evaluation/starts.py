@@ -11,6 +11,7 @@ run where it was driven for the first time, since on known ground no place can s
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,103 +27,11 @@ from fpnav.values import FloatArray, Metric
 NEAR_M = 1.0
 
 _NOTHING = Absent("no place starts along the way, or nothing is listed")
-
-
-def node_precision(*, front: bool = False) -> Measure:
-    """Share of places that start within 1 m of a listed open door or change.
-
-    The place a session starts in starts there for no reason of the world's and is left out.
-    ``front`` : of the front of a door, not only of the door itself.
-    """
-
-    def measure(name: str, case: Case) -> Metric | Absent:
-        met = _met(case, front)
-        if isinstance(met, Absent):
-            return met
-        if not met.starts.size:
-            return _NOTHING
-        near = np.asarray(met.starts.any(axis=1))
-        return share(name, near, np.ones(len(near), bool), block=1)
-
-    return measure
-
-
-def node_precision_chance(*, front: bool = False) -> Measure:
-    """The share expected of starts anywhere on new ground."""
-
-    def measure(name: str, case: Case) -> Metric | Absent:
-        met = _met(case, front)
-        if isinstance(met, Absent):
-            return met
-        if not met.starts.size:
-            return _NOTHING
-        near = np.asarray(met.ground.any(axis=1))
-        return Metric(name, float(near.mean()), int(near.sum()), len(near))
-
-    return measure
-
-
-def node_recall(*, front: bool = False) -> Measure:
-    """Share of listed open doors and changes, within 1 m of the mapping path, that got a place."""
-
-    def measure(name: str, case: Case) -> Metric | Absent:
-        met = _met(case, front)
-        if isinstance(met, Absent):
-            return met
-        if not met.passed.any():
-            return Absent("nothing that is listed lies within 1 m of the mapping path")
-        got = np.asarray(met.starts[:, met.passed].any(axis=0))
-        return share(name, got, np.ones(len(got), bool), block=1)
-
-    return measure
-
-
-def node_recall_chance(*, front: bool = False) -> Measure:
-    """The share expected of as many starts anywhere on new ground."""
-
-    def measure(name: str, case: Case) -> Metric | Absent:
-        met = _met(case, front)
-        if isinstance(met, Absent):
-            return met
-        if not met.passed.any() or not len(met.ground):
-            return Absent("nothing that is listed lies within 1 m of the mapping path")
-        missed = (1.0 - met.ground[:, met.passed].mean(axis=0)) ** len(met.starts)
-        count = int(met.passed.sum())
-        return Metric(name, float(1.0 - missed.mean()), count, count)
-
-    return measure
-
-
-def nodes_at_closed_doors(*, front: bool = False) -> Measure:
-    """Number of places that start within 1 m of a closed door, and of nothing else listed."""
-
-    def measure(name: str, case: Case) -> Metric | Absent:
-        met = _met(case, front)
-        if isinstance(met, Absent):
-            return met
-        count = int(met.closed_starts.sum())
-        return Metric(name, float(count), count, len(met.starts))
-
-    return measure
-
-
-def nodes_at_closed_doors_chance(*, front: bool = False) -> Measure:
-    """Their number expected of as many starts anywhere on new ground."""
-
-    def measure(name: str, case: Case) -> Metric | Absent:
-        met = _met(case, front)
-        if isinstance(met, Absent):
-            return met
-        if not len(met.ground):
-            return _NOTHING
-        expected = float(met.closed_ground.mean()) * len(met.starts)
-        return Metric(name, expected, len(met.starts), len(met.starts))
-
-    return measure
+_NOT_PASSED = Absent("nothing that is listed lies within 1 m of the mapping path")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Met:
+class Met:
     """S starts and G poses on new ground, by the L landmarks each is within 1 m of.
 
     ``starts`` (S, L), ``ground`` (G, L), ``passed`` (L,) by any pose of the run;
@@ -136,7 +45,70 @@ class _Met:
     closed_ground: Bools
 
 
-def _met(case: Case, front: bool) -> _Met | Absent:
+Told = Callable[[str, Met], Metric | Absent]
+
+
+def starting(told: Told, *, front: bool = False) -> Measure:
+    """A figure below as a measure; ``front`` : by the front of doors, not only the doors."""
+
+    def measure(name: str, case: Case) -> Metric | Absent:
+        met = _met(case, front)
+        return met if isinstance(met, Absent) else told(name, met)
+
+    return measure
+
+
+def node_precision(name: str, met: Met) -> Metric | Absent:
+    """Share of places that start within 1 m of a listed open door or change.
+
+    The place a session starts in starts there for no reason of the world's and is left out.
+    """
+    if not met.starts.size:
+        return _NOTHING
+    near = np.asarray(met.starts.any(axis=1))
+    return share(name, near, np.ones(len(near), bool), block=1)
+
+
+def node_precision_chance(name: str, met: Met) -> Metric | Absent:
+    """The share expected of starts anywhere on new ground."""
+    if not met.starts.size:
+        return _NOTHING
+    near = np.asarray(met.ground.any(axis=1))
+    return Metric(name, float(near.mean()), int(near.sum()), len(near))
+
+
+def node_recall(name: str, met: Met) -> Metric | Absent:
+    """Share of listed open doors and changes, within 1 m of the mapping path, that got a place."""
+    if not met.passed.any():
+        return _NOT_PASSED
+    got = np.asarray(met.starts[:, met.passed].any(axis=0))
+    return share(name, got, np.ones(len(got), bool), block=1)
+
+
+def node_recall_chance(name: str, met: Met) -> Metric | Absent:
+    """The share expected of as many starts anywhere on new ground."""
+    if not met.passed.any() or not len(met.ground):
+        return _NOT_PASSED
+    missed = (1.0 - met.ground[:, met.passed].mean(axis=0)) ** len(met.starts)
+    count = int(met.passed.sum())
+    return Metric(name, float(1.0 - missed.mean()), count, count)
+
+
+def nodes_at_closed_doors(name: str, met: Met) -> Metric | Absent:
+    """Number of places that start within 1 m of a closed door, and of nothing else listed."""
+    count = int(met.closed_starts.sum())
+    return Metric(name, float(count), count, len(met.starts))
+
+
+def nodes_at_closed_doors_chance(name: str, met: Met) -> Metric | Absent:
+    """Their number expected of as many starts anywhere on new ground."""
+    if not len(met.ground):
+        return _NOTHING
+    expected = float(met.closed_ground.mean()) * len(met.starts)
+    return Metric(name, expected, len(met.starts), len(met.starts))
+
+
+def _met(case: Case, front: bool) -> Met | Absent:
     plan = plan_of_case(case)
     if isinstance(plan, Absent):
         return plan
@@ -145,7 +117,7 @@ def _met(case: Case, front: bool) -> _Met | Absent:
     near = _within(xy, plan.fronts if front else _points(plan.landmarks))
     closed = _within(xy, plan.closed_fronts if front else _points(plan.closed))
     only = np.asarray(closed.any(axis=1) & ~near.any(axis=1))
-    return _Met(near[at], near[new], np.asarray(near.any(axis=0)), only[at], only[new])
+    return Met(near[at], near[new], np.asarray(near.any(axis=0)), only[at], only[new])
 
 
 def _rows(result: Result) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -26,6 +26,7 @@ from fpnav.evaluation.starts import (
     node_recall_chance,
     nodes_at_closed_doors,
     nodes_at_closed_doors_chance,
+    starting,
 )
 from fpnav.evaluation.topology import topology_equal
 from fpnav.evaluation.transfer import carried_precision, carried_recall
@@ -104,40 +105,40 @@ def _starting(suffix: str) -> dict[str, Entry]:
     title = ", before doors too" if front else ""
     return {
         f"node_precision{suffix}": Entry(
-            node_precision(front=front),
+            starting(node_precision, front=front),
             f"Places that start at something{title}",
             f"share of places that start within {near}",
             "places, of those that start along the way",
         ),
         f"node_precision{suffix}_chance": Entry(
-            node_precision_chance(front=front),
+            starting(node_precision_chance, front=front),
             f"Places that start at something{title}, by chance",
             f"the share expected of {_ANYWHERE}",
             "mapping poses near enough, of those on new ground",
             "neither",
         ),
         f"node_recall{suffix}": Entry(
-            node_recall(front=front),
+            starting(node_recall, front=front),
             f"Doors and changes that got a place{title}",
             f"share of the doors and changes passed that a place starts at, within {near}",
             "doors and changes, of those passed",
         ),
         f"node_recall{suffix}_chance": Entry(
-            node_recall_chance(front=front),
+            starting(node_recall_chance, front=front),
             f"Doors and changes that got a place{title}, by chance",
             f"the share expected of as many {_ANYWHERE}",
             "doors and changes passed",
             "neither",
         ),
         f"nodes_at_closed_doors{suffix}": Entry(
-            nodes_at_closed_doors(front=front),
+            starting(nodes_at_closed_doors, front=front),
             f"Places at closed doors{', driven past too' if front else ''}",
             f"places that start within 1 m of {closed} and of nothing else that is listed",
             "places, of those that start along the way",
             "lower",
         ),
         f"nodes_at_closed_doors{suffix}_chance": Entry(
-            nodes_at_closed_doors_chance(front=front),
+            starting(nodes_at_closed_doors_chance, front=front),
             f"Places at closed doors{', driven past too' if front else ''}, by chance",
             f"their number expected of as many {_ANYWHERE}",
             "places that start along the way",
