@@ -117,8 +117,13 @@ def error_of(actions: NDArray[Any], taught_rad: FloatArray) -> FloatArray:
 
 def ends_home(actions: NDArray[Any], goal: FloatArray) -> Bools:
     """Whether each trip ends within HOME_M of the goal, (T,)."""
+    return np.asarray(ends_from(actions, goal) <= HOME_M)
+
+
+def ends_from(actions: NDArray[Any], goal: FloatArray) -> FloatArray:
+    """How far from the goal each trip ends, metres, (T,)."""
     ends = np.array([trip["truth"][-1, :2] for trip in trips(actions)])
-    return np.asarray(np.hypot(*(ends - goal).T) <= HOME_M)
+    return np.asarray(np.hypot(*(ends - goal).T))
 
 
 def follows(actions: NDArray[Any], way: FloatArray) -> Bools:

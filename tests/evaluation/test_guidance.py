@@ -11,7 +11,7 @@ import pytest
 from helpers.stores import result as stored_result
 
 from fpnav.evaluation.case import judge
-from fpnav.evaluation.guidance import MEASURES, action_error, way_of
+from fpnav.evaluation.guidance import MEASURES, action_error, ends_from, way_of
 from fpnav.evaluation.measure import Absent
 from fpnav.store.tables import ACTION, Result
 from fpnav.values import Metric
@@ -43,6 +43,8 @@ def test_a_trip_is_home_when_it_ends_near_the_goal() -> None:
     found = measured("homing_success", result_of(np.concatenate([near, past]), goal_m=[0, 0]))
     assert isinstance(found, Metric)
     assert (found.n, found.of) == (1, 2)
+    ends = ends_from(np.concatenate([near, past]), np.zeros(2))
+    assert ends == pytest.approx([math.hypot(0.2, 0.1), 0.4])
 
 
 @pytest.mark.parametrize(("wanted_deg", "right"), [(180.0, 2), (140.0, 2), (130.0, 0), (0.0, 0)])

@@ -88,6 +88,8 @@ CLAIMS = (
           meaning="half of what can be moved was moved"),
     Claim("P3", "homing_success", "three pairs make a basin", "enough", least=0.9,
           meaning="trips that end within 0.3 m of the goal"),
+    Claim("P3", "end_farthest_m", "none is sent away", "enough", most=1.0,
+          meaning="end farthest from the goal; the places are 1 m from it, starts up to 1.5 m"),
     Claim("P4", "winner_kept", "ranks survive azimuth drift", "kept", least=0.9,
           meaning="samples with the winner they have without drift"),
     Claim("P5", "field_correlation", "partial views give the fields of the panorama", "the same",

@@ -12,7 +12,7 @@ import numpy as np
 from msgspec import structs
 
 from fpnav.evaluation.fields import Fields, half_width, nearest_wins, peak_error
-from fpnav.evaluation.guidance import ends_home, follows, taught_along
+from fpnav.evaluation.guidance import ends_from, ends_home, follows, taught_along
 from fpnav.execution.stages import make_map
 from fpnav.execution.walk import Run
 from fpnav.experiments.giovannangeli.lines import (
@@ -35,6 +35,7 @@ from fpnav.experiments.giovannangeli.trips import (
     MORNING,
     OTHER_LIGHT,
     drive,
+    ended,
     few,
     home_trips,
     success,
@@ -121,7 +122,8 @@ def three_pairs(shop: Workshop, seed: int) -> Outcome:
     leader, goal = taught_ring(shop, seed, THREE)
     steady = replace(leader, params=structs.replace(leader.params, blend=0.0))
     home = home_trips(shop, seed, steady, goal, few(shop, 8), THREE_S)
-    return Outcome([success("homing_success", ends_home(home, goal))], (), {"places": THREE})
+    metrics = [success("homing_success", ends_home(home, goal)), *ended(ends_from(home, goal))]
+    return Outcome(metrics, (), {"places": THREE})
 
 
 def drifting(shop: Workshop, seed: int) -> Outcome:

@@ -13,6 +13,7 @@ from msgspec import structs
 from numpy.typing import NDArray
 
 from fpnav.evaluation.guidance import (
+    ends_from,
     ends_home,
     error_of,
     follows,
@@ -86,6 +87,7 @@ def homing_from_all_around(shop: Workshop, seed: int) -> Outcome:
     metrics = [
         success("homing_success", ends_home(alone, goal)),
         success("homing_success_people", ends_home(crowded, goal)),
+        *ended(ends_from(alone, goal)),
         within("action_within_45", alone, taught_home(alone, goal)),
         bumps("bumps", alone),
     ]
@@ -190,6 +192,15 @@ def drive(leader: Leader, job: Job) -> tuple[NDArray[Any], FloatArray]:
 def success(name: str, right: NDArray[np.bool_]) -> Metric:
     """Share of trips."""
     return Metric(name, float(right.mean()), int(right.sum()), len(right))
+
+
+def ended(from_goal_m: FloatArray) -> list[Metric]:
+    """How far from the goal trips end: half of them nearer than, and the farthest."""
+    of = len(from_goal_m)
+    return [
+        Metric("end_median_m", float(np.median(from_goal_m)), of, of, "m"),
+        Metric("end_farthest_m", float(from_goal_m.max()), of, of, "m"),
+    ]
 
 
 def within(name: str, actions: NDArray[Any], taught_rad: FloatArray) -> Metric:
