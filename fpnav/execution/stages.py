@@ -15,7 +15,7 @@ from fpnav.localization.filter import FilterParams
 from fpnav.localization.locate import Method, locate
 from fpnav.localization.recall import recall_all
 from fpnav.localization.recognize import past_candidates, recognize
-from fpnav.localization.spots import Along, along_spots, recall_spots
+from fpnav.localization.spots import Spots, along_spots, recall_spots
 from fpnav.mapping.build import build_map
 from fpnav.mapping.loops import LoopParams
 from fpnav.params import NO_TABLES, Tables, as_dict, resolve
@@ -117,11 +117,13 @@ def locate_by(
     tables: Tables = NO_TABLES,
     truth_file: Path | None = None,
     recall: Recall | None = None,
+    spots: Spots | None = None,
     advance: Advance = lambda done: None,
 ) -> list[Result]:
     """The same by several methods, each signature matched once.
 
-    ``recall`` : what ``recall_run`` gave for the run, where it is known already.
+    ``recall``, ``spots`` : what ``recall_run`` gave for the run and ``spots_along`` for the map,
+    where they are known already.
     """
     check_same_signatures(map_header, run.header, ("the map", "the query"), system.LATE)
     params = resolve("filter", FilterParams(), tables)
@@ -133,7 +135,9 @@ def locate_by(
     if recall is None:
         recall = recall_run(system, built, queries, advance)
     believed = bool(set(methods) - {Method.MATCH})
-    along = _along(system, built, queries, recall, params) if believed else None
+    along = None
+    if believed and (spots := spots or spots_along(system, built, params)) is not None:
+        along = along_spots(system, built.topomap, built.signatures, queries, recall, spots, params)
     results = []
     for method in methods:
         answers = locate(
@@ -178,20 +182,13 @@ def recall_run(
     return recall_all(memory, queries, len(built.topomap), None, advance)
 
 
-def _along(
-    system: System,
-    built: BuiltMap,
-    queries: Sequence[Signature],
-    recall: Recall,
-    params: FilterParams,
-) -> Along | None:
-    """What a run says of the spots of the mapping path; None where there is no path."""
+def spots_along(
+    system: System, built: BuiltMap, params: FilterParams | None = None
+) -> Spots | None:
+    """How like each place the views along the mapping path are; None where there is no path."""
     memory = system.memory()
     memory.load(built.memory)
-    spots = recall_spots(memory, built.topomap, built.signatures, params)
-    if spots is None:
-        return None
-    return along_spots(system, built.topomap, built.signatures, queries, recall, spots, params)
+    return recall_spots(memory, built.topomap, built.signatures, params or FilterParams())
 
 
 def recognize_run(

@@ -14,9 +14,8 @@ from fpnav.evaluation.calibration import calibration_error, skill
 from fpnav.evaluation.case import Case
 from fpnav.execution.walk import Run
 from fpnav.experiments.study import Outcome
-from fpnav.experiments.tapus.office import asked, choice, located, mapping_log, test_log
+from fpnav.experiments.tapus.office import choice, drive, mapping_log, test_log
 from fpnav.experiments.workshop import Workshop
-from fpnav.localization.locate import Method
 from fpnav.report.figures import likeness
 from fpnav.report.study import Illustration
 from fpnav.store.tables import Ragged, SignatureTable
@@ -132,25 +131,23 @@ def moved_apart(signature: Signature, by_rad: float) -> Signature:
 
 def dark(shop: Workshop, seed: int) -> Outcome:
     """Belief by odometry alone: nothing is seen on the last metres of every stretch."""
-    chosen = choice("default")
-    mapped = shop.map(mapping_log(shop, seed), chosen)
-    run = asked(shop, seed, chosen)
+    driven = drive(shop, seed, "default")
     metrics: list[Metric] = []
     for metres in DARK_M:
-        unlit, last = blinded(run, metres)
-        (found,) = located(unlit, mapped, Method.FILTER)
+        run, unlit = blinded(driven.run, metres)
+        last = np.flatnonzero(unlit[:-1] & ~unlit[1:])
+        found = driven.without_sight(run, unlit)
         metrics.append(_right_at(found.case, last, f"dark_right_after_{metres:g}m"))
     third = next(metric for metric in metrics if metric.name == "dark_right_after_3m")
     metrics.append(replace(third, name="dark_right"))
     return Outcome(metrics, (), {"preset": "default", "stretch_m": DARK_EVERY_M})
 
 
-def blinded(run: Run, metres: float) -> tuple[Run, NDArray[np.int64]]:
-    """The run with nothing seen on the last metres of every stretch, and the last dark rows."""
+def blinded(run: Run, metres: float) -> tuple[Run, NDArray[np.bool_]]:
+    """The run with nothing seen on the last metres of every stretch, and the rows of these."""
     travelled = run.table.references["travelled_m"]
     unlit = travelled % DARK_EVERY_M >= DARK_EVERY_M - metres
-    last = np.flatnonzero(unlit[:-1] & ~unlit[1:])
-    return Run(run.header, _without_sight(run.table, unlit), run.system), last
+    return Run(run.header, _without_sight(run.table, unlit), run.system), unlit
 
 
 def _without_sight(table: SignatureTable, rows: NDArray[np.bool_]) -> SignatureTable:

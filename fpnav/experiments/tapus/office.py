@@ -7,7 +7,7 @@ building and its rooms are those of the seed.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fpnav.evaluation.evaluate import Evaluation, evaluate
-from fpnav.execution.stages import locate_by, recall_run, take
+from fpnav.execution.stages import locate_by, recall_run, spots_along, take
 from fpnav.execution.walk import Run, SystemChoice
 from fpnav.experiments.workshop import Workshop, job_of
 from fpnav.localization.locate import Method
+from fpnav.localization.spots import Spots
 from fpnav.store.header import Header
 from fpnav.store.maps import BuiltMap
 from fpnav.store.tables import SignatureTable
@@ -95,7 +96,7 @@ def kidnapped(run: Run, jumps: int) -> tuple[Run, NDArray[np.int64]]:
     return Run(run.header, moved, run.system), rows
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Drive:
     """The test run of a building on the map of the mapping run, every sample matched once."""
 
@@ -103,16 +104,38 @@ class Drive:
     mapped: Mapped
     recall: Recall
 
+    @cached_property
+    def spots(self) -> Spots | None:
+        """How like each place the views along the mapping path are."""
+        return spots_along(self.run.system, self.mapped[1])
+
     def located(self, *methods: Method) -> list[Evaluation]:
         """The run located in one or several ways, and measured."""
-        return located(self.run, self.mapped, *methods, recall=self.recall)
+        spots = self.spots if set(methods) - {Method.MATCH} else None
+        return located(self.run, self.mapped, *methods, recall=self.recall, spots=spots)
+
+    def filtered(self, run: Run, recall: Recall) -> Evaluation:
+        """A changed run of the same queries located by filter."""
+        return located(run, self.mapped, Method.FILTER, recall=recall, spots=self.spots)[0]
 
     def set_down(self, jumps: int) -> Evaluation:
         """The run with jumps in it, located by filter."""
         moved, rows = kidnapped(self.run, jumps)
         known = self.recall
         recall = Recall(known.places[rows], known.scores[rows], known.headings_rad[rows])
-        return located(moved, self.mapped, Method.FILTER, recall=recall)[0]
+        return self.filtered(moved, recall)
+
+    def without_sight(self, run: Run, rows: NDArray[np.bool_]) -> Evaluation:
+        """A run in whose given rows nothing is seen, located by filter."""
+        one = take(run.table, np.flatnonzero(rows)[:1])
+        blind = recall_run(run.system, self.mapped[1], one, lambda done: None)
+        known, unlit = self.recall, rows[:, None]
+        recall = Recall(
+            np.where(unlit, blind.places, known.places),
+            np.where(unlit, blind.scores, known.scores),
+            np.where(unlit, blind.headings_rad, known.headings_rad),
+        )
+        return self.filtered(run, recall)
 
 
 @cache
@@ -126,11 +149,15 @@ def drive(shop: Workshop, seed: int, preset: str) -> Drive:
 
 
 def located(
-    run: Run, mapped: Mapped, *methods: Method, recall: Recall | None = None
+    run: Run,
+    mapped: Mapped,
+    *methods: Method,
+    recall: Recall | None = None,
+    spots: Spots | None = None,
 ) -> list[Evaluation]:
     """A run located on a map in one or several ways, and measured."""
     header, built = mapped
-    results = locate_by(run.system, header, built, run, methods=methods, recall=recall)
+    results = locate_by(run.system, header, built, run, methods=methods, recall=recall, spots=spots)
     return [evaluate(result) for result in results]
 
 

@@ -138,4 +138,5 @@ STUDY = Study(
         "dark": beyond.dark,
     },
     most={"ablations": 2, "sensitivity": 1},
+    long=("ablations", "sensitivity"),
 )
