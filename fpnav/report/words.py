@@ -76,8 +76,11 @@ def counts(metric: Metric) -> str:
 
 
 def is_rate(metric: Metric) -> bool:
-    """Whether the value is the share ``n`` of ``of`` and reads well as percent."""
-    return not metric.unit and metric.of > 0 and math.isclose(metric.value, metric.n / metric.of)
+    """Whether the value is the share ``n`` of ``of`` and reads well as percent; a count is none,
+    though none at all be counted."""
+    if metric.unit or metric.of <= 0 or metric.name in _WHOLE:
+        return False
+    return math.isclose(metric.value, metric.n / metric.of)
 
 
 def headlines(entry: Entry) -> list[Metric]:

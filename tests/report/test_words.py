@@ -73,6 +73,11 @@ def test_figures_read_as_a_person_writes_them(metric: Metric, number: str, inter
     assert words.interval(metric) == interval
 
 
+def test_a_count_of_none_is_no_share() -> None:
+    assert words.number(Metric("nodes_at_closed_doors", 0.0, 0, 185)) == "0"
+    assert not words.is_rate(Metric("nodes_at_closed_doors", 0.0, 0, 185))
+
+
 def test_places_are_not_counted_of_themselves() -> None:
     assert words.counts(Metric("places", 20.0, 20, 20)) == ""
     assert words.counts(Metric("recall_at_1", 0.5, 5, 10)) == "5 of 10"
