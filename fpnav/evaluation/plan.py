@@ -56,7 +56,7 @@ def plan_of(header: Mapping[str, Any]) -> Plan | None:
         if mapped.get("format") == "fpnav/map":
             for signatures in mapped.get("chain", ()):
                 worlds = [world for world in signatures.get("worlds", ()) if world]
-                return _plan(worlds[0]) if worlds else None
+                return plan_of_world(worlds[0]) if worlds else None
     return None
 
 
@@ -71,7 +71,8 @@ def inside(points: FloatArray, polygon: FloatArray) -> NDArray[np.bool_]:
         return np.asarray((crossing & (x < at)).sum(axis=1) % 2 == 1)
 
 
-def _plan(world: Any) -> Plan | None:
+def plan_of_world(world: Any) -> Plan | None:
+    """Plan a ``world.json`` describes, None where it is not of that form."""
     try:
         names = {str(room["name"]): number for number, room in enumerate(world["rooms"])}
         rooms = tuple(np.array(room["polygon"], dtype=np.float64) for room in world["rooms"])

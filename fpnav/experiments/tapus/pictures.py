@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 
 from fpnav.evaluation.evaluate import Evaluation
+from fpnav.evaluation.plan import plan_of_world
 from fpnav.experiments.tapus.office import Mapped
 from fpnav.logs.frames import open_log
 from fpnav.report.entry import Entry
@@ -155,18 +156,16 @@ def plan_of_run(log: Path, mapped: Mapped, scans: FloatArray = NO_POINTS) -> pla
     owner = built.topomap.owner(len(truth))
     _, first = np.unique(owner, return_index=True)
     with open_log(log) as opened:
-        world = opened.world or {}
-    closed = [(d["x_m"], d["y_m"]) for d in world.get("doors", ()) if not d["open"]]
+        building = plan_of_world(opened.world)
     places = built.topomap.places
     return plans.Plan(
-        walls=np.array(world.get("walls", ()), dtype=np.float64).reshape(-1, 4),
+        building=building,
         scans=scans,
         path=truth,
         place_ids=built.topomap.ids,
         places=np.array([truth[place.members[len(place.members) // 2]] for place in places]),
         edges=np.array([(e.source, e.target) for e in built.topomap.edges]).reshape(-1, 2),
         starts=truth[np.sort(first)],
-        closed=np.array(closed, dtype=np.float64).reshape(-1, 2),
     )
 
 

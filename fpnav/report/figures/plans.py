@@ -10,6 +10,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from fpnav.evaluation.plan import Plan as Building
 from fpnav.report.figures.style import (
     FAINT,
     INK,
@@ -34,19 +35,17 @@ _NEAR_M = 4.0
 class Plan:
     """A map over the building it was made in.
 
-    ``walls`` (W, 4) x0, y0, x1, y1; ``scans`` (N, 2) laser points in the world; ``path`` (R, 2);
-    ``place_ids`` (P,); ``places`` (P, 2); ``edges`` (E, 2) place ids; ``starts`` (S, 2) where
-    places start; ``closed`` (D, 2) closed doors; metres throughout.
+    ``scans`` (N, 2) laser points in the world; ``path`` (R, 2); ``place_ids`` (P,); ``places``
+    (P, 2); ``edges`` (E, 2) place ids; ``starts`` (S, 2) where places start; metres throughout.
     """
 
-    walls: FloatArray
+    building: Building | None
     scans: FloatArray
     path: FloatArray
     place_ids: NDArray[np.int64]
     places: FloatArray
     edges: NDArray[np.int64]
     starts: FloatArray
-    closed: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,14 +65,13 @@ class NewNode:
 
 def topological(plan: Plan) -> Drawing:
     """The map on the architect's plan, S and E where the run starts and ends."""
-    figure, axis = _sized(plan.path, plan.walls.reshape(-1, 2))
-    lines = plan.walls.reshape(-1, 2, 2)
-    axis.add_collection(LineCollection(list(lines), colors=MUTED, linewidths=0.8, zorder=1))
-    if len(plan.closed):
-        axis.plot(*plan.closed.T, "x", color=WRONG, ms=6, mew=1.4, label="door closed", zorder=4)
+    walls = np.zeros((0, 2)) if plan.building is None else plan.building.walls.reshape(-1, 2)
+    figure, axis = _sized(plan.path, walls)
+    if plan.building is not None:
+        _building(axis, plan.building)
     _graph(axis, plan)
     _ends(axis, plan.path)
-    legend_below(figure, axis, columns=4)
+    legend_below(figure, axis, columns=5)
     return Drawing(figure, f"Floor plan with a map of {len(plan.places)} places.", True, True)
 
 
@@ -118,6 +116,21 @@ def _sized(*points: FloatArray) -> tuple[Figure, Axes]:
     every = np.vstack(points)
     width, height = np.maximum(np.ptp(every, axis=0), 1e-6)
     return new_figure(WIDE, float(np.clip((WIDE - 1.0) * height / width + 1.1, 3.4, 7.5)))
+
+
+def _building(axis: Axes, building: Building) -> None:
+    """Walls, open where doors are, and what a place may well start at."""
+    walls = LineCollection(list(building.walls), colors=MUTED, linewidths=0.8, zorder=1)
+    gaps = LineCollection(list(building.openings), colors=PAPER, linewidths=2.6, zorder=1.1)
+    for lines in (walls, gaps):
+        axis.add_collection(lines)
+    if len(building.landmarks):
+        x, y = building.landmarks.T
+        name = "open door or listed change"
+        axis.plot(x, y, "D", color=SERIES[2], ms=4, alpha=0.8, label=name, zorder=1.2)
+    if len(building.closed):
+        x, y = building.closed.T
+        axis.plot(x, y, "x", color=WRONG, ms=6, mew=1.4, label="door closed", zorder=4)
 
 
 def _graph(axis: Axes, plan: Plan) -> None:
