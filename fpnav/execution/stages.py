@@ -127,10 +127,6 @@ def locate_by(
     """
     check_same_signatures(map_header, run.header, ("the map", "the query"), system.LATE)
     params = resolve("filter", FilterParams(), tables)
-    midpoint = map_header["confidence"]["midpoint"]
-    confidence = Confidence(
-        np.inf if midpoint is None else midpoint, map_header["confidence"]["slope"]
-    )
     queries, truth = with_truth(run.table, built.signatures, truth_file)
     if recall is None:
         recall = recall_run(system, built, queries, advance)
@@ -148,7 +144,7 @@ def locate_by(
             recall,
             method=method,
             params=params,
-            confidence=confidence,
+            confidence=_confidence_of(map_header),
             depth=RANKS,
             along=along,
         )
@@ -171,6 +167,13 @@ def locate_by(
             )
         )
     return results
+
+
+def _confidence_of(map_header: Header) -> Confidence:
+    """How the map states probabilities, as it was fitted on the mapping run."""
+    stored = map_header["confidence"]
+    midpoint = stored["midpoint"]
+    return Confidence(np.inf if midpoint is None else midpoint, stored["slope"])
 
 
 def recall_run(
